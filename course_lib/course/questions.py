@@ -204,16 +204,35 @@ def compare(key: str, measured: str = "") -> None:
     if guess is None and in_notebook():
         show_form(lambda: _comparison_after_choice(key, question, measured), "")
     else:
-        print(_comparison(question, guess, measured))  # noqa: T201  the cell's output
+        comparison = _comparison(question, guess, measured)
+        show(lambda: comparison, str(comparison))
 
 
-def _comparison(question: Question, guess: Answer | None, measured: str) -> str:
+@dataclass(frozen=True)
+class Comparison:
+    """The lines that `compare` shows: as paragraphs in a notebook, wrapped in a terminal."""
+
+    lines: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return "\n".join(textwrap.fill(line, WIDTH) for line in self.lines)
+
+    @property
+    def html(self) -> str:
+        """The lines as HTML without styles, which Jupyter removes from untrusted notebooks."""
+        return f"<p>{'<br>'.join(map(escape, self.lines))}</p>"
+
+    def _repr_mimebundle_(self, **_: object) -> dict[str, str]:
+        return {"text/html": self.html, "text/plain": str(self)}
+
+
+def _comparison(question: Question, guess: Answer | None, measured: str) -> Comparison:
     lines = [f"You predicted: {guess.text}. {verdict(guess)}" if guess else "You predicted: nothing"]
     if guess is None or not guess.right:
         lines.append(f"What happened: {question.right.text}. {question.right.reason}")
     if measured:
         lines.append(f"Measured: {measured}")
-    return "\n".join(textwrap.fill(line, WIDTH) for line in lines)
+    return Comparison(tuple(lines))
 
 
 # Functions that show the answers withheld by `compare`, by the prediction's key.
@@ -228,17 +247,17 @@ def _comparison_after_choice(key: str, question: Question, measured: str) -> For
     on_answer: list[Callable[[], None]] = []
 
     def reveal() -> None:
-        output.value = f"<pre>{escape(text())}</pre>"
+        output.value = _paragraph(comparison().html)
         for call in on_answer:
             call()
 
-    def text() -> str:
+    def comparison() -> Comparison:
         return _comparison(question, question.answer(student_state().get(SECTION, key)), measured)
 
     def saved() -> tuple[str, str]:
         if student_state().get(SECTION, key) is None:
             return f"<p>{NO_PREDICTION}</p>", NO_PREDICTION
-        return f"<pre>{escape(text())}</pre>", text()
+        return comparison().html, str(comparison())
 
     # A cell that runs again replaces its output.
     _waiting[key] = reveal

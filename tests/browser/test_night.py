@@ -42,7 +42,7 @@ cube.color.b = cube.color.a = 1.0""",
     "from course_lib.robots import JointStatePublisher, joint_sliders\n"
     "joint_sliders(JointStatePublisher(load_robot('ur10').urdf))",
     *["# JupyterLab draws no cell far out of sight." + "\n" * 30] * 70,
-    "print('far below')\nquiz('week01_recall')",
+    "print('far below')\nquiz('week01_recall')\npredict('week01.ground')",
 )
 RED_PIXELS = """image => {
     const canvas = document.createElement("canvas");
@@ -169,7 +169,9 @@ def test_continue_button_runs_the_required_cells_and_the_view_is_live_again(reop
 def test_cells_that_were_out_of_sight_have_a_continue_button_after_reopening(reopened: Notebook) -> None:
     cell = reopened.cell("far below")
     saved(cell)
-    expect(cell.get_by_role("button", name="Continue here")).to_be_visible()
+    expect(cell.get_by_text(f"○ {GUESS.text}")).to_be_visible()
+    # One for both of its outputs.
+    expect(cell.get_by_role("button", name="Continue here")).to_have_count(1)
 
 
 def test_static_page_shows_image_and_answers(reopened: Notebook) -> None:

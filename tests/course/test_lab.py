@@ -1,3 +1,4 @@
+import hashlib
 import json
 import os
 import shutil
@@ -54,6 +55,14 @@ def test_server_starts_without_compiling_grammars_of_addresses(tmp_path: Path) -
     modules = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
     assert "jsonschema" in modules
     assert "lark" not in modules
+
+
+def test_address_of_the_extension_changes_with_its_content() -> None:
+    """Jupyter tells browsers to keep each address of an extension for a year, without asking again."""
+    folder = lab_module.LAB_EXTENSIONS / "course-lib"
+    digest = hashlib.sha256((folder / "static/remoteEntry.js").read_bytes()).hexdigest()[:12]
+    build = json.loads((folder / "package.json").read_text())["jupyterlab"]["_build"]
+    assert build["load"] == f"static/remoteEntry.js?v={digest}"
 
 
 def test_no_browser_is_opened_without_a_display(monkeypatch: pytest.MonkeyPatch) -> None:

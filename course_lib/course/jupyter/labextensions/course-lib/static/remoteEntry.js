@@ -100,7 +100,8 @@
 
   /** Return a line that says how to go on, with a button, unless another widget of the cell has one. */
   function lineFor(app, tracker, cell, text) {
-    if (cell?.node.querySelector(".course-saved")) return [];
+    // The outputs of a cell that was never in sight are not yet in its node.
+    if (cell?.outputArea.node.querySelector(".course-saved")) return [];
     const words = document.createElement("span");
     words.textContent = text;
     const line = document.createElement("div");
