@@ -7,13 +7,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import pytest
-from numpy.typing import NDArray
 from playwright.sync_api import Locator, expect
 
 from course_lib.course.state import exercises_dir, lessons
-from tests.browser.jupyterlab import Lab, Notebook, opened, pixels_of, view_of
+from tests.browser.jupyterlab import Lab, Notebook, count_pixels, opened, view_of
 from tests.browser.waiting import A_FRAME, wait_until
 from tests.tools.test_resume import FIRST_PLACE, code_cells, unexpected_failures
 
@@ -21,17 +19,19 @@ pytestmark = [pytest.mark.browser, pytest.mark.slow]
 LESSONS = [path for path in lessons() if path.name >= "week02"]
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder: pictures for the README go there
 DRAWN = 150  # [px] that are clearly coloured, in the best view
+COLOURED = "Math.max(r, g, b) - Math.min(r, g, b) > 60"
+LIT = "Math.max(r, g, b) > 108"  # brighter than the background
 # Pictures of a view, which span more robot time than the slowest node is silent.
 LOOKS = 5
 
 
 @dataclass(frozen=True)
 class Lesson:
-    """A lesson that was run completely, with the pictures of its views."""
+    """A lesson that was run completely, with the number of coloured pixels in each of its views."""
 
     notebook: Notebook
     week: str
-    views: list[NDArray[np.int64]]
+    coloured: list[int]
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def lesson(request: pytest.FixtureRequest, notebook: Notebook) -> Lesson:
     return Lesson(notebook, request.param.stem[:6], list(views(notebook)))
 
 
-def views(notebook: Notebook) -> Iterator[NDArray[np.int64]]:
+def views(notebook: Notebook) -> Iterator[int]:
     """Go through a lesson cell by cell, and look at each view while its nodes still run.
 
     A new kernel resumes it at its first place to stop.
@@ -61,25 +61,20 @@ def views(notebook: Notebook) -> Iterator[NDArray[np.int64]]:
             notebook.page.screenshot(path=Path(PICTURES) / f"{notebook.name[:6]}_{number:02d}.png")
 
 
-def look(view: Locator) -> NDArray[np.int64]:
-    """Watch a view until it shows colors, or for a few pictures. Return the most colorful one."""
-    wait_until(lambda: np.ptp(pixels_of(view)) > 60, view.page, A_FRAME)
-    best = pixels_of(view)
+def look(view: Locator) -> int:
+    """Watch a view until it is coloured, or for a few pictures. Return the most coloured pixels."""
+    wait_until(lambda: count_pixels(view, LIT), view.page, A_FRAME)
+    most = count_pixels(view, COLOURED)
     for _ in range(LOOKS):
-        if coloured(best) > DRAWN:
+        if most > DRAWN:
             break
         view.page.wait_for_timeout(A_FRAME * 1000)
-        best = max(best, pixels_of(view), key=coloured)
-    return best
-
-
-def coloured(pixels: NDArray[np.int64]) -> int:
-    return int((np.ptp(pixels, axis=2) > 60).sum())
+        most = max(most, count_pixels(view, COLOURED))
+    return most
 
 
 def test_views_of_each_lesson_are_drawn(lesson: Lesson) -> None:
-    counts = [coloured(pixels) for pixels in lesson.views]
-    assert max(counts) > DRAWN, counts
+    assert max(lesson.coloured) > DRAWN, lesson.coloured
 
 
 def test_cells_of_each_lesson_run_without_errors_one_by_one(lesson: Lesson) -> None:

@@ -4,15 +4,16 @@ import json
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import expect
 
 from course_lib.course.exercise import read_notebook
 from course_lib.course.state import State
-from tests.browser.jupyterlab import Lab, Notebook, opened, pixels_of, view_of
+from tests.browser.jupyterlab import Lab, Notebook, count_pixels, opened, view_of
 from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
-ENOUGH = 300  # [px] of the yellow path
+ENOUGH = 300  # [px] of the path
+YELLOW = "r > 180 && g > 180 && b < 80"
 
 
 @pytest.fixture(scope="module")
@@ -22,14 +23,9 @@ def lesson(lab: Lab) -> Iterator[Notebook]:
         yield notebook
 
 
-def yellow_pixels(view: Locator) -> int:
-    pixels = pixels_of(view)
-    return int(((pixels[..., 0] > 180) & (pixels[..., 1] > 180) & (pixels[..., 2] < 80)).sum())
-
-
 def test_all_cells_run_without_an_error_and_the_path_is_drawn(lesson: Notebook) -> None:
     view = view_of(lesson.cell('compare("week00.shape"'))
-    wait_until(lambda: yellow_pixels(view) > ENOUGH, lesson.page, A_FRAME)
+    wait_until(lambda: count_pixels(view, YELLOW) > ENOUGH, lesson.page, A_FRAME)
     assert lesson.errors() == []
 
 
