@@ -28,6 +28,7 @@ from course_lib.ros.programs import import_path
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.robot.sending import Permissions
 from course_lib.ros.time import virtual_time, wall
+from course_lib.ros.time.interrupts import SIGNALED, exit_at_signals
 from course_lib.ros.time.time_lock import time_lock
 
 HOST = "127.0.0.1"
@@ -42,9 +43,6 @@ TRIES = 20
 WARM_TYPES = ("visualization_msgs/msg/MarkerArray", "tf2_msgs/msg/TFMessage", "rcl_interfaces/msg/Log")
 # Signals that end a program, and the time to wait after each [s].
 SIGNALS = ((signal.SIGINT, 5.0), (signal.SIGTERM, 2.0), (signal.SIGKILL, 5.0))
-# As in a shell, the exit code of a program ended by a signal is the sum of this and the signal
-# number.
-SIGNALED = 128
 # Only the loopback device is used, so that nothing leaves this computer even if a remote computer
 # requests discovery.
 PROFILES = """<?xml version="1.0" encoding="UTF-8"?>
@@ -284,6 +282,7 @@ def run_on_ros(
         if sample.topic not in OWN_TOPICS:
             traffic.setdefault(sample.topic, TopicTraffic(sample.type_name)).times_ns.append(sample.stamp_ns)
 
+    exit_at_signals()
     with temporary_folder() as folder:
         programs = RealProcesses(environment, folder, files, print_to_stderr, is_timed=seconds is not None)
         graph = linked_graph(programs, print_to_stderr)

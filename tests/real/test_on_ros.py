@@ -159,7 +159,37 @@ def test_crash_shows_only_the_program_traceback_and_its_exit_code(tmp_path: Path
     assert "Nothing was published." in done.stderr
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+STUBBORN = """
+import os, time, rclpy
+rclpy.init()
+node = rclpy.create_node("stubborn")
+print("up", os.getpid(), flush=True)
+while True:
+    try:
+        time.sleep(0.05)
+    except BaseException:
+        pass
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
+def test_program_that_ignores_interrupts_does_not_outlive_the_command(
+    number: signal.Signals, tmp_path: Path
+) -> None:
+    program = tmp_path / "stubborn.py"
+    program.write_text(STUBBORN)
+    command = [sys.executable, "-m", "course_lib", "run", str(program), "--ros", "--seconds", "60"]
+    with Program(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as process:
+        child = int(process.read_line().removeprefix("up "))
+        process.send_signal(number)
+        deadline = time.monotonic() + PATIENCE
+        while Path(f"/proc/{child}").exists():
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        process.communicate(timeout=PATIENCE)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
 def test_program_ends_with_the_command(number: signal.Signals, tmp_path: Path) -> None:
     program, ended = tmp_path / "robot.py", tmp_path / "ended"
     text = TF.replace('print("interrupted")', f'open({str(ended)!r}, "w").close()')
@@ -180,7 +210,7 @@ def test_program_ends_with_the_command(number: signal.Signals, tmp_path: Path) -
             time.sleep(0.05)
         process.stdout.close()
         err = process.stderr.read()
-    assert number == signal.SIGKILL or "/tf [tf2_msgs/msg/TFMessage]" in err
+    assert number != signal.SIGINT or "/tf [tf2_msgs/msg/TFMessage]" in err
 
 
 def test_public_checks_pass_on_the_real_ros_with_bit_equal_values() -> None:

@@ -51,6 +51,9 @@ CONNECT_SECONDS = 3.0
 KINDS = ("msg", "srv", "action")
 # An option of Linux's prctl.
 PARENT_DEATH_SIGNAL = 1
+PARENT = os.getppid()
+# Time that a program has to end after its parent was killed [s].
+ORPHAN_SECONDS = 5
 # Its functions are called by C code, through ctypes.
 CALLBACKS = str(Path(__file__).with_name("late_types.py"))
 NO_COURSE_LIB = "robots do not have course_lib, so `from course_lib import {}` fails there, too"
@@ -145,6 +148,9 @@ def interrupt(_: int, frame: FrameType | None) -> None:
     ctypes discards an exception of a callback, so that the program would miss Ctrl+C. There, the
     exception is raised when the C function returns to the Python code that called it.
     """
+    if os.getppid() != PARENT:
+        # The parent was killed. Nothing else ends a program that continues after the interrupt.
+        signal.alarm(ORPHAN_SECONDS)
     caller = None
     while frame is not None:
         if frame.f_code.co_filename == CALLBACKS:

@@ -12,6 +12,7 @@ from course_lib.ros.graph.graph import Graph, current_graph, set_graph
 from course_lib.ros.notices import print_to_stderr, say
 from course_lib.ros.robot.addresses import DDS, full_address, is_over_dds
 from course_lib.ros.time import wall
+from course_lib.ros.time.interrupts import exit_at_signals
 
 if TYPE_CHECKING:
     from course_lib.ros.dds.link import DdsLink
@@ -66,6 +67,8 @@ def link_to(robot: RobotAddress, *, notebook: bool = False) -> "RobotGraph":
     )
     graph = RobotGraph(link, allowed, report, notebook=notebook)
     atexit.register(graph.close_at_exit)
+    if not notebook:
+        exit_at_signals()
     deadline = wall.monotonic() + DISCOVERY
     settled_at: float | None = None
     while wall.monotonic() < min(deadline, settled_at or deadline):

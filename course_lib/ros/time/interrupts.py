@@ -36,6 +36,8 @@ KERNELS = "ipykernel.ipkernel"
 DIRECTLY = 2
 # Lines of the callback over which later interrupts are varied.
 LINES = 7
+# As in a shell, the exit code after a signal is the sum of this and the signal's number.
+SIGNALED = 128
 
 
 class Callback:
@@ -245,6 +247,26 @@ def keep_signal_handlers() -> Iterator[None]:
     finally:
         for number, handler in previous.items():
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
+
+
+def exit_at_signals() -> None:
+    """Let Python exit at SIGTERM, and at SIGHUP, which a closed terminal sends.
+
+    By default both end the process without the functions of `atexit`, of which one stops a robot.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        return
+
+    def on_signal(number: int, frame: FrameType | None) -> None:
+        # rclpy's handler, which is installed later and ends the program itself, calls this one.
+        if signal.getsignal(number) is on_signal:
+            sys.exit(SIGNALED + number)
+
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        # `nohup` lets a program ignore SIGHUP. Windows has no SIGHUP.
+        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
+            signal.signal(number, on_signal)
 
 
 @contextmanager

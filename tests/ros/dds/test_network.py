@@ -195,7 +195,8 @@ def test_error_explains_a_network_that_blocks_incoming_packets(robot: RemoteRobo
 
 # A killed process cannot send anything: then only the timeout of the robot's base stops it.
 @pytest.mark.parametrize(
-    ("number", "is_stopped"), [(signal.SIGINT, True), (signal.SIGTERM, True), (signal.SIGKILL, False)]
+    ("number", "is_stopped"),
+    [(signal.SIGINT, True), (signal.SIGTERM, True), (signal.SIGHUP, True), (signal.SIGKILL, False)],
 )
 def test_robot_receives_a_stop_when_its_driving_program_ends(
     robot: RemoteRobot, tmp_path: Path, number: signal.Signals, is_stopped: bool

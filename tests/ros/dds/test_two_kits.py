@@ -4,6 +4,9 @@ import _thread
 import os
 import random
 import re
+import signal
+import subprocess
+import sys
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
@@ -30,11 +33,13 @@ from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.time import wall
 from course_lib.ros.time.time_lock import time_lock
 from tests.patience import PATIENCE
+from tests.processes import Program
 from tests.ros.dds.conftest import DdsKits, dds_link
 from tests.ros.zenoh.test_two_kits import (  # noqa: F401  # pytest collects the tests here with this folder's fixtures
     BEST_EFFORT,
     LATCHED,
     STRING,
+    TWIST,
     VOLATILE,
     connect,
     listener,
@@ -303,6 +308,22 @@ def test_events_of_a_subscription_include_remote_publishers_that_join_and_leave(
         rclpy.shutdown()
     warning = "New publisher discovered on topic '/chatter', offering incompatible QoS. No messages will"
     assert capfd.readouterr().err.count(warning) == 1
+
+
+# Python's default for these signals ends a process without the functions of `atexit`.
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_robot_stops_when_the_command_that_drives_it_ends_by_a_signal(kits: DdsKits, name: str) -> None:
+    robot = kits.join()
+    received = listener(robot, "/cmd_vel", TWIST)
+    link = ["--robot", "dds/127.0.0.1", "--domain", str(kits.domain), "--send", "/cmd_vel"]
+    words = ["topic", "pub", "-r", "20", "/cmd_vel", TWIST, "{linear: {x: 0.5}}"]
+    command = [sys.executable, "-m", "course_lib", "ros2", *link, *words]
+    with Program(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+        kits.until(lambda: received, "a command")
+        process.send_signal(getattr(signal, name))
+        kits.until(lambda: not any(received[-1][4:]), "the stop")
+        process.communicate(timeout=PATIENCE)
 
 
 def test_nodes_in_another_domain_are_not_discovered(kits: DdsKits) -> None:
