@@ -1,5 +1,6 @@
 """The environment of this process: a notebook's kernel, a JupyterHub, and access to the user's browser."""
 
+import getpass
 import os
 import sys
 import webbrowser
@@ -8,6 +9,17 @@ from importlib.util import find_spec
 from typing import Any
 
 from course_lib.errors import CourseError
+
+
+def user_name() -> str:
+    """Return the login name of the user, or "user1234" for a user who has a number only.
+
+    In containers of OpenShift and on some hubs, the user has no entry in the machine's list.
+    """
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):
+        return f"user{os.getuid()}"
 
 
 def in_notebook() -> bool:

@@ -690,6 +690,23 @@ def _wait_for_server_url(process: "subprocess.Popen[bytes]") -> str | None:
     return None
 
 
+def provide_home(folder: Path) -> list[str]:
+    """Set HOME to a folder in the student's folder if the user has no home folder that can be written.
+
+    JupyterLab and IPython do not start without one, which some containers and hubs lack.
+
+    Returns:
+        A line for the student if HOME was set.
+    """
+    home = os.path.expanduser("~")  # "~" itself if the user has none
+    if os.access(home, os.W_OK):
+        return []
+    own = folder / STATE_FOLDER / "home"
+    own.mkdir(parents=True, exist_ok=True)
+    os.environ["HOME"] = str(own)
+    return [f"Your home folder {home} cannot be written, so Jupyter's settings are in {own}."]
+
+
 def can_open_browser() -> bool:
     """Return whether a graphical browser can be opened.
 
@@ -730,6 +747,7 @@ def lab(
         server_port = free_port(FIRST_PORT if port is None else port)
         if port not in (None, server_port):
             report.append(f"Port {port} is taken, using {server_port}.")
+        report += provide_home(folder)
         say("\n".join([f"Your course folder: {folder}", *report, "Starting JupyterLab …"]))
         signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:

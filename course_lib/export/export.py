@@ -1,7 +1,6 @@
 """`course export`: convert a notebook or a Python file to a ROS 2 package."""
 
 import ast
-import getpass
 import os
 import re
 import shutil
@@ -30,6 +29,7 @@ from course_lib.export.module import (
     statements,
 )
 from course_lib.files import draft_folder
+from course_lib.host import user_name
 from course_lib.ros.package_template import PackageText, check_package_name, fill_template, package_files
 from course_lib.ros.programs.build_files import executables_of
 from course_lib.third_party import parse_python, read_bytes, read_text
@@ -161,7 +161,7 @@ def _file_texts(
     imports = set[str]().union(*(imported_modules(ast.parse(module.text())) for module in modules))
     started = [module for module in modules if module.main is not Main.NONE]
     depends, exec_depends = dependencies(imports, package)
-    user = getpass.getuser()
+    user = user_name()
     text = PackageText(
         package,
         maintainer=user,

@@ -1,6 +1,5 @@
 """From the scores of checks and the points of graders to results and marks."""
 
-import getpass
 import json
 import math
 import os
@@ -31,6 +30,7 @@ from course_lib.grading.records import (
 from course_lib.grading.store import digest_of, lock_marks, marks_path, result_path
 from course_lib.grading.submissions.roster import MISMATCH
 from course_lib.grading.task import Row
+from course_lib.host import user_name
 from course_lib.third_party import read_json
 
 
@@ -114,7 +114,7 @@ def add_marks(
     with lock_marks(path.parents[2]):
         stored_marks = read_marks(path)
         marks_of_task = [mark for mark in stored_marks if mark.task == task.task]
-        by = by or getpass.getuser()
+        by = by or user_name()
         new = [replace(_hand_mark(task, one, marks_of_task, by), sha256=sha256) for one in entries]
         if revision is not None and revision != revision_of(marks_of_task, task.task, sha256):
             if list(map(_without_time, marks_of_task[-len(new) :])) == list(map(_without_time, new)):

@@ -106,8 +106,18 @@ def unsupported_reason() -> str:
 
 
 def default_folder() -> Path:
-    """Return the folder of the environment in the user's data folder."""
-    data = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share")
+    """Return the folder of the environment in the user's data folder.
+
+    Raises:
+        CourseError: The user has no home folder.
+    """
+    try:
+        data = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share")
+    except RuntimeError as error:
+        raise CourseError(
+            "you have no home folder on this machine, where the real ROS 2 would be installed. Set "
+            "HOME, or XDG_DATA_HOME, to a folder that you may write"
+        ) from error
     python = f"py{sys.version_info.major}{sys.version_info.minor}"
     return data / "course_lib" / f"ros-jazzy-{pins()['ros-rclpy']}-{python}"
 

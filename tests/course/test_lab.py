@@ -16,7 +16,7 @@ import pytest
 from jupyter_client.blocking.client import BlockingKernelClient
 
 from course_lib.course import student_folder as lab_module
-from course_lib.course.student_folder import can_open_browser, command, free_port, lab
+from course_lib.course.student_folder import can_open_browser, command, free_port, lab, provide_home
 from course_lib.errors import CourseError
 from tests.patience import PATIENCE
 from tests.processes import Program
@@ -70,6 +70,19 @@ def test_no_browser_is_opened_without_a_display(monkeypatch: pytest.MonkeyPatch)
     for variable in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(variable, raising=False)
     assert not can_open_browser()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="HOME is not used")
+def test_missing_home_folder_is_replaced_by_one_in_the_course_folder(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert provide_home(tmp_path / "mine") == []
+    monkeypatch.setenv("HOME", str(tmp_path / "missing"))
+    (line,) = provide_home(tmp_path / "mine")
+    assert "missing cannot be written" in line
+    assert Path.home() == tmp_path / "mine/.course/home"
+    assert Path.home().is_dir()
 
 
 def test_failing_server_start_is_reported_in_one_line(

@@ -18,6 +18,21 @@ NODE = "from rclpy.node import Node"
 TALKER = "class Talker(Node):\n    def __init__(self):\n        super().__init__('talker')\n"
 
 
+def test_maintainer_without_a_login_name_is_the_number_of_the_user(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Users of some containers and hubs are not in the machine's list of users."""
+
+    def fail() -> str:
+        raise KeyError("getpwuid(): uid not found")
+
+    monkeypatch.setattr("getpass.getuser", fail)
+    file = tmp_path / "talker.py"
+    file.write_text(f"{NODE}\n{TALKER}")
+    export(file, "talk", tmp_path / "src")
+    assert re.search(r"user\d+@todo.todo", (tmp_path / "src/talk/package.xml").read_text())
+
+
 def test_package_has_the_documented_structure(package: Path) -> None:
     files = {str(path.relative_to(package)) for path in package.rglob("*") if path.is_file()}
     assert files >= {

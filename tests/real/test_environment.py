@@ -84,6 +84,17 @@ def test_interrupted_installation_leaves_nothing_behind(
     assert not RealEnvironment(environment.default_folder() / "bin" / "python").folder.exists()
 
 
+def test_missing_home_folder_is_an_error_with_the_variables_to_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    for variable in ("XDG_DATA_HOME", environment.PYTHON):
+        monkeypatch.delenv(variable, raising=False)
+    monkeypatch.setattr(Path, "home", fail)
+    with pytest.raises(CourseError, match="Set HOME, or XDG_DATA_HOME"):
+        find_environment()
+
+
 @pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("words", "error"),

@@ -5,7 +5,6 @@ effect, scenes run in a frame without rights, and every URL contains a secret.
 """
 
 import asyncio
-import getpass
 import hmac
 import json
 import os
@@ -41,7 +40,7 @@ from course_lib.grading.store import (
     this_course,
     writing,
 )
-from course_lib.host import hub_prefix
+from course_lib.host import hub_prefix, user_name
 from course_lib.third_party import read_json
 from course_lib.viewer.page_server import Guarded, bound
 
@@ -196,7 +195,7 @@ def _decode_mark(content: Any) -> MarkEntry:
 
 def read_name(text: str) -> str:
     """Return a grader's name on one line, or the name of the machine's user if it is empty."""
-    return " ".join(_clean(text).split())[:MAX_NAME] or getpass.getuser()
+    return " ".join(_clean(text).split())[:MAX_NAME] or user_name()
 
 
 def _clean(text: str) -> str:

@@ -169,7 +169,7 @@ class LaunchLogDir(Substitution):
     """The log folder: $ROS_LOG_DIR, or .ros/log in the home folder."""
 
     def __init__(self) -> None:
-        super().__init__(lambda context: os.environ.get("ROS_LOG_DIR") or str(Path.home() / ".ros" / "log"))
+        super().__init__(lambda context: os.environ.get("ROS_LOG_DIR") or os.path.expanduser("~/.ros/log"))
 
 
 class LocalSubstitution(Substitution):
