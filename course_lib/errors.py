@@ -8,12 +8,17 @@ from pathlib import Path
 # A path of the usual file systems has at most 255 characters in each part, and rarely more in
 # total.
 _LONG_WORD = re.compile(r"(\S{80})\S{220,}(\S{20})")
+# A quoted value with spaces, as repr() writes it: after a space or bracket, up to its next quote.
+_LONG_QUOTE = re.compile(
+    r"""(?<![^\s(\[{:=,])(['"])((?:(?!\1).){80})(?:(?!\1).){220,}((?:(?!\1).){20}\1)""", re.S
+)
 
 
 class CourseError(Exception):
     """An error that the user can fix.
 
-    The message states the input, the expectation and the next step. Long words in it are shortened.
+    The message states the input, the expectation and the next step. Long words and quoted values in
+    it are shortened.
     """
 
     def __init__(self, *arguments: object) -> None:
@@ -21,8 +26,8 @@ class CourseError(Exception):
 
 
 def shorten_words(text: str) -> str:
-    """Shorten each word of a message that is longer than any path or name, such as a malformed value."""
-    return _LONG_WORD.sub(r"\1…\2", text)
+    """Shorten each word or quoted value of a message that is longer than any path or name."""
+    return _LONG_WORD.sub(r"\1…\2", _LONG_QUOTE.sub(r"\1\2…\3", text))
 
 
 def did_you_mean(name: str, there: Iterable[str], max_count: int = 1) -> str:

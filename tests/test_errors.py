@@ -23,6 +23,19 @@ def test_count_of_one_uses_the_singular() -> None:
     assert [format_count(n, "node") for n in (0, 1, 2)] == ["0 nodes", "1 node", "2 nodes"]
 
 
+def test_long_quoted_values_of_an_error_are_shortened() -> None:
+    value = "0 0 1.5 " * 100
+    text = str(CourseError(f"origin: {value!r}, expected three numbers, as in '0 0 1'. Don't use 'a'"))
+    assert len(text) < 250
+    assert text.startswith("origin: '0 0 1.5 0 0")
+    assert text.endswith("', expected three numbers, as in '0 0 1'. Don't use 'a'")
+
+
+def test_long_text_between_two_quoted_values_is_unchanged() -> None:
+    text = f"expected 'a', {'or another word ' * 30}or the student's 'b'"
+    assert str(CourseError(text)) == text
+
+
 def test_long_words_of_an_error_are_shortened() -> None:
     path = "/home/student/" + "/".join(["a_long_name_of_a_folder"] * 12)
     error = CourseError(f"{path}: {'9' * 10_000} is not a valid float")

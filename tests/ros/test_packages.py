@@ -80,3 +80,9 @@ def test_missing_package_error_lists_the_available_packages(tmp_path: Path) -> N
         get_package_share_directory("robt")
     assert str(error.value).startswith("package 'robt' not found, searching: [")
     assert "There is: robot." in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["rclpy", "std_msgs"])
+def test_package_of_the_kit_has_the_share_folder_that_it_has_on_a_robot(name: str) -> None:
+    assert get_package_share_directory(name) == f"/opt/ros/jazzy/share/{name}"
+    assert get_package_prefix(name) == "/opt/ros/jazzy"

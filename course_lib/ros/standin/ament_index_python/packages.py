@@ -20,6 +20,8 @@ class PackageNotFoundError(KeyError):
 def get_package_share_path(package_name: str, print_warning: bool = True) -> Path:
     """Return the folder with the package's launch/, config/ and rviz/.
 
+    Packages of the kit without one, such as rclpy, have the folder that they have on a robot.
+
     Raises:
         PackageNotFoundError: There is no such package.
     """
@@ -44,8 +46,6 @@ def get_package_prefix(package_name: str) -> str:
     Raises:
         PackageNotFoundError: There is no such package.
     """
-    if packages.find_package(package_name) is None and package_name in provided_packages():
-        return str(INSTALLED.parent)
     return str(packages.prefix_of(_share_folder(package_name)))
 
 
@@ -58,6 +58,8 @@ def _share_folder(name: str) -> Path:
     package = packages.find_package(name)
     if package is not None:
         return package.share
+    if name in provided_packages():
+        return INSTALLED / name
     reason = packages.not_found_reason(name)
     absent = missing_share_folder(name, reason)
     if absent is None:
