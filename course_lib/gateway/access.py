@@ -149,7 +149,9 @@ class GatewayUser:
         return f"{protocol}/{self.name}:{self.token}@{host}"
 
 
-def load_users(folder: Path, roster: Path | None, id_column: str, place: str) -> list[GatewayUser]:
+def load_users(
+    folder: Path, roster: Path | None, id_column: str, place: str, driver: str = ""
+) -> list[GatewayUser]:
     """Return the robot and the class, whose tokens are kept, and write the private files.
 
     Args:
@@ -157,6 +159,10 @@ def load_users(folder: Path, roster: Path | None, id_column: str, place: str) ->
         roster: A platform's CSV; None for the class stored in the folder, or for one guest.
         id_column: The heading of the IDs; "" to find the column.
         place: The address for students, which is listed together with the token.
+        driver: A student who must be in the class; "" for none.
+
+    Raises:
+        CourseError: The driver is not in the class. No file is written then.
     """
     tokens: dict[str, str] = {}
     if (folder / TOKENS).exists():
@@ -171,6 +177,8 @@ def load_users(folder: Path, roster: Path | None, id_column: str, place: str) ->
     ids = [THE_ROBOT, *(read_class(roster, id_column) if roster else before or [GUEST])]
     names = _ros_names(ids)
     users = [GatewayUser(one, names[one], tokens.get(one) or secrets.token_urlsafe(18)) for one in ids]
+    if driver:
+        find_student(users, driver)
     text = io.StringIO(newline="")
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(("student", "name", "token", "address"))
@@ -191,6 +199,11 @@ def find_student(users: Sequence[GatewayUser], query: str) -> GatewayUser:
     for user in users:
         if user.name != ROBOT and folded_query in (user.student.casefold(), user.name):
             return user
+    if [user.student for user in users if user.name != ROBOT] == [GUEST]:
+        raise CourseError(
+            f"--driver {query}: this folder has no class, and no gateway runs in it. Start the gateway "
+            "with --students CSV, or pass the --folder of the one that runs"
+        )
     raise CourseError(
         f"--driver {query}: no such student. The file {TOKENS} in the gateway's folder lists all "
         "IDs in its column `student`."

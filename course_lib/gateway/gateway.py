@@ -484,7 +484,7 @@ def router(
     if (protocol == "tls") != (settings.certificate is not None):
         raise CourseError(f"--listen {settings.listen}: use a certificate with tls/…, and none with tcp/…")
     place = f"{protocol}/{socket.getfqdn()}:{port}"
-    users = load_users(folder, roster, id_column, place)
+    users = load_users(folder, roster, id_column, place, "" if driver == NOBODY else driver)
     if not driver and users[-1].student == GUEST:
         driver = GUEST
     first = find_student(users, driver).student if driver and driver != NOBODY else NOBODY

@@ -48,6 +48,12 @@ def test_gateway_without_a_roster_has_one_guest(tmp_path: Path) -> None:
     assert [user.student for user in load_users(tmp_path, None, "", PLACE)] == ["(robot)", "guest"]
 
 
+def test_unknown_driver_without_a_class_is_an_error_before_a_file_is_written(tmp_path: Path) -> None:
+    with pytest.raises(CourseError, match="this folder has no class, and no gateway runs in it"):
+        load_users(tmp_path / "router", None, "", PLACE, "ann")
+    assert not (tmp_path / "router").exists()
+
+
 @pytest.mark.parametrize("student", ["robot", "(robot)", "zed", ""])
 def test_unknown_student_cannot_drive(tmp_path: Path, student: str) -> None:
     users = load_users(tmp_path, with_roster(tmp_path, "a1"), "", PLACE)

@@ -1,3 +1,4 @@
+import inspect
 import os
 import sys
 from collections.abc import Sequence
@@ -214,3 +215,7 @@ def test_launch_check_in_another_task_type_is_rejected() -> None:
             "week05.launch_file", "A launch", "function", "launch_file", HINTS,
             (Scenario("public", calls=(Call(),), checks=(LAYOUT,)),),
         )  # fmt: skip
+
+
+def test_documentation_of_a_check_function_lacks_the_whole_entry_of_the_evidence() -> None:
+    assert "Args:\n    package: The package of the executable." in (inspect.getdoc(expect_launch_node) or "")

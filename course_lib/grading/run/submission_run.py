@@ -663,9 +663,6 @@ class Budget:
     The shares keep one task from using up the budget of the others.
 
     Args:
-    XX
-
-    Args:
         amount: The total for the scenarios of all tasks, in [s] of the wall clock or in bytes.
         tasks: The task ids.
     """

@@ -139,7 +139,8 @@ def _set_signature(expect: Any, signature: inspect.Signature) -> None:
     parameters = list(signature.parameters.values())[1:]
     expect.__signature__ = signature.replace(parameters=parameters, return_annotation=Check)
     expect.__annotations__ = {one.name: one.annotation for one in parameters} | {"return": Check}
-    expect.__doc__ = re.sub(r"\n +evidence: .*", "", expect.__doc__ or "")
+    # The lines of an entry that continue it are indented further.
+    expect.__doc__ = re.sub(r"\n( +)evidence: .*(\n\1 +\S.*)*", "", expect.__doc__ or "")
 
 
 def _combine(problems: Sequence[Problem]) -> Verdict:
