@@ -19,8 +19,7 @@ import pytest
 from course_lib.ros.programs.import_path import install
 from tests.kernels import listen_on_files
 from tests.patience import PATIENCE
-from tests.reruns import pytest_runtest_setup  # noqa: F401  # a hook of pytest
-from tests.scheduling import (  # noqa: F401  # two more
+from tests.scheduling import (  # noqa: F401  # two are hooks of pytest
     may_be_slow,
     pytest_ignore_collect,
     pytest_xdist_make_scheduler,
