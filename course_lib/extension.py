@@ -11,9 +11,9 @@ from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.notices import repeated_lines, replacements
 from course_lib.ros.programs import import_path
 from course_lib.ros.time import virtual_time, wall
-from course_lib.ros.time.busy_loops import BusyWaitTransformer, cell
 from course_lib.ros.time.driving import drive_in_cell, drive_threads
 from course_lib.ros.time.time_lock import time_lock
+from course_lib.ros.time.virtual_time import BusyWaitTransformer, cell
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell

@@ -17,8 +17,7 @@ from typing import Any
 from course_lib.errors import CourseError
 from course_lib.files import write_atomically
 from course_lib.grading.submissions.roster import read_class
-from course_lib.ros.zenoh.session import PRESENCE, ROBOT, STUDENTS
-from course_lib.ros.zenoh.tokens import ADMIN
+from course_lib.ros.zenoh.link import ADMIN, PRESENCE, ROBOT, STUDENTS
 
 # The protocol between both routers. Students can neither listen nor connect with it.
 INNER = "unixsock-stream"

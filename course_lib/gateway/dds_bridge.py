@@ -20,11 +20,10 @@ from functools import partial
 from course_lib.errors import CourseError
 from course_lib.ros.dds.link import SILENT_SECONDS, DdsClient, DdsEntity, DdsPublisher
 from course_lib.ros.graph.topics import Qos
-from course_lib.ros.messages.hashes import type_hash
+from course_lib.ros.messages.definitions import type_hash
 from course_lib.ros.robot.connect import open_dds_link
 from course_lib.ros.robot.link import Declaration, Entity, Packet, SendReply
-from course_lib.ros.zenoh.link import ZenohLink, ZenohPublisher
-from course_lib.ros.zenoh.tokens import ZenohEntity
+from course_lib.ros.zenoh.link import ZenohEntity, ZenohLink, ZenohPublisher
 
 # DDS allows all characters in names, but Zenoh's special characters must not occur in its keys.
 NAME = re.compile(r"(/[A-Za-z_]\w*)+", re.ASCII)

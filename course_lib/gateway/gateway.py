@@ -39,8 +39,15 @@ from course_lib.gateway.access import (
 from course_lib.ros.graph.topics import ros_type
 from course_lib.ros.robot.addresses import full_address, is_over_dds
 from course_lib.ros.robot.sending import is_motion, stop_message
-from course_lib.ros.zenoh.session import PRESENCE, ROBOT, STUDENTS, Handlers, gateway_key
-from course_lib.ros.zenoh.tokens import ZenohEntity, encode_attachment
+from course_lib.ros.zenoh.link import (
+    PRESENCE,
+    ROBOT,
+    STUDENTS,
+    Handlers,
+    ZenohEntity,
+    encode_attachment,
+    gateway_key,
+)
 from course_lib.third_party import read_json
 
 if TYPE_CHECKING:

@@ -187,7 +187,7 @@ def linked_graph(
             normal.
         sends: Whether all topics may be published and all services called.
     """
-    from course_lib.ros.messages.hashes import type_hash
+    from course_lib.ros.messages.definitions import type_hash
 
     def report_later(line: str) -> None:
         if graph.nodes() and not programs.is_ending and programs.are_running():

@@ -18,9 +18,9 @@ from course_lib.ros.messages.definitions import (
     add_package,
     definition,
     field_definitions,
+    type_hash,
     type_names,
 )
-from course_lib.ros.messages.hashes import type_hash
 from course_lib.ros.messages.message import module_of_type
 from course_lib.ros.programs.packages import has_interfaces, packages
 

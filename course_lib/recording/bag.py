@@ -22,8 +22,7 @@ from course_lib.files import draft_folder
 from course_lib.recording.recording import Recording, record
 from course_lib.ros.graph.graph import Graph, Sample, TopicSelector
 from course_lib.ros.graph.topics import Qos, read_tick
-from course_lib.ros.messages.definitions import definition, typestore
-from course_lib.ros.messages.hashes import type_hash
+from course_lib.ros.messages.definitions import definition, type_hash, typestore
 from course_lib.third_party import MOST_TEXT, check_regular, check_size, read_text
 
 if TYPE_CHECKING:

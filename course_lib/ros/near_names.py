@@ -26,7 +26,7 @@ from typing import Any
 
 from course_lib.errors import format_count, join_words
 from course_lib.ros.messages.definitions import definition, type_names
-from course_lib.ros.programs.missing_packages import clone_instructions
+from course_lib.ros.programs.packages import clone_instructions
 
 # Folder of the kit. A class defined in it, in Python or in a library is not from a student.
 _KIT_FOLDER = str(Path(__file__).resolve().parent.parent)

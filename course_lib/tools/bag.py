@@ -12,7 +12,7 @@ from course_lib.errors import CourseError
 from course_lib.recording import Recording, bag_info, read_bag, recorded, write_bag
 from course_lib.ros.graph.graph import Graph, Sample
 from course_lib.ros.graph.topics import CLOCK, tick
-from course_lib.ros.messages.hashes import is_known
+from course_lib.ros.messages.definitions import is_known
 from course_lib.ros.time import pace
 from course_lib.ros.time.interrupts import until_interrupted
 from course_lib.tools.sources import PLAYER, RecordingSource, Source, is_hidden

@@ -164,7 +164,7 @@ def _map_saver_cli() -> int:
     """
     import rclpy
 
-    from course_lib.robots.maps import FORMATS, MODES, MapSaver
+    from course_lib.robots.nav2 import FORMATS, MODES, MapSaver
 
     parser = argparse.ArgumentParser(prog="map_saver_cli", allow_abbrev=False)
     parser.add_argument("-t", dest="topic", default="map", metavar="MAP_TOPIC")
@@ -232,7 +232,7 @@ def run_with_rclpy(work: Callable[[], None]) -> int:
 
 
 _DEMO, _TURTLE = "course_lib.tools.demo_nodes", "course_lib.robots.turtlesim"
-_FRAMES, _MAPS = "course_lib.robots.turtlesim", "course_lib.robots.maps"
+_FRAMES, _NAV2 = "course_lib.robots.turtlesim", "course_lib.robots.nav2"
 # Each executable imports its modules when it runs: a program that uses one of them needs no other.
 _NODES: dict[tuple[str, str], Callable[[], None]] = {
     ("rviz2", "rviz2"): _rviz2,
@@ -269,11 +269,9 @@ _NODES: dict[tuple[str, str], Callable[[], None]] = {
     ),
     ("turtlesim", "mimic"): partial(_spin_class, _TURTLE, "TurtleMimic"),
     ("turtlesim", "draw_square"): partial(_spin_class, _TURTLE, "DrawSquare"),
-    ("nav2_map_server", "map_server"): partial(_spin_class, _MAPS, "MapServer"),
-    ("nav2_map_server", "map_saver_server"): partial(_spin_class, _MAPS, "MapSaver"),
-    ("nav2_lifecycle_manager", "lifecycle_manager"): partial(
-        _spin_class, "course_lib.robots.lifecycle_manager", "LifecycleManager"
-    ),
+    ("nav2_map_server", "map_server"): partial(_spin_class, _NAV2, "MapServer"),
+    ("nav2_map_server", "map_saver_server"): partial(_spin_class, _NAV2, "MapSaver"),
+    ("nav2_lifecycle_manager", "lifecycle_manager"): partial(_spin_class, _NAV2, "LifecycleManager"),
     ("unknown_robot", "robot"): _unknown_robot,
     # The node of a container does nothing: the launch starts its components as separate processes.
     **{

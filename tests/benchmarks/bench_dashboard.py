@@ -18,7 +18,7 @@ import rclpy  # noqa: E402  # needs the stand-in's packages
 from course_lib import spin_for  # noqa: E402  # as above
 from course_lib.course.exercise import read_notebook, source  # noqa: E402  # as above
 from course_lib.course.state import lessons_dir  # noqa: E402  # as above
-from course_lib.sensors.camera import Pinhole  # noqa: E402  # as above
+from course_lib.sensors.sensor_nodes import Pinhole  # noqa: E402  # as above
 
 RUNS = 5
 SECONDS = 5.0  # [s] of robot time

@@ -10,9 +10,17 @@ from course_lib.ros.programs.import_path import install
 
 install()
 
-from course_lib.sensors.camera import Pinhole  # noqa: E402  # as above
-from course_lib.sensors.lidar import beams_at  # noqa: E402  # needs the stand-in's packages
-from course_lib.sensors.world import Thing, World, box, circle, cylinder, placed, plane, sphere  # noqa: E402  # as above  # noqa: E402  # as above  # noqa: E402  # as above
+from course_lib.sensors.sensor_nodes import Pinhole, beams_at  # noqa: E402  # needs the stand-in's packages
+from course_lib.sensors.world import (  # noqa: E402  # as above
+    Thing,
+    World,
+    box,
+    circle,
+    cylinder,
+    placed,
+    plane,
+    sphere,
+)  # fmt: skip
 
 RUNS = 30
 OPTICAL = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1], [0, 0, 0, 1]], float)  # looks along x

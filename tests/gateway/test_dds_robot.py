@@ -16,7 +16,7 @@ from course_lib.gateway.access import PASSWORDS, GatewayUser, load_users
 from course_lib.gateway.gateway import SILENCE, TURN, Gateway, Settings
 from course_lib.ros.dds.link import DdsLink
 from course_lib.ros.graph.topics import Qos
-from course_lib.ros.messages.hashes import type_hash
+from course_lib.ros.messages.definitions import type_hash
 from course_lib.ros.robot.link import Packet
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.robot.sending import Permissions

@@ -5,7 +5,7 @@ import pytest
 
 from course_lib.gateway.gateway import MOST_KEYS
 from course_lib.ros.graph.topics import Qos
-from course_lib.ros.messages.hashes import type_hash
+from course_lib.ros.messages.definitions import type_hash
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.robot.sending import Permissions
 from course_lib.ros.zenoh.link import ZenohLink

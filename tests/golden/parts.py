@@ -28,8 +28,7 @@ from course_lib.grading.store import this_course
 from course_lib.recording import Recording, read_bag
 from course_lib.ros.graph.graph import Graph, use_graph
 from course_lib.ros.messages import RosMessage, message_class, serialize
-from course_lib.ros.messages.definitions import type_names
-from course_lib.ros.messages.hashes import type_hash
+from course_lib.ros.messages.definitions import type_hash, type_names
 from course_lib.ros.time.driving import running_nodes
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource

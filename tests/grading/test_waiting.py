@@ -9,8 +9,8 @@ import pytest
 
 from course_lib.course.course_file import Limits
 from course_lib.grading.evidence import Evidence
+from course_lib.grading.jail.filters import descendants
 from course_lib.grading.jail.launch import shared_template
-from course_lib.grading.jail.layers import descendants
 from course_lib.grading.run import submission_run
 from course_lib.grading.run.submission_run import (
     MAX_EXTENSION,

@@ -11,7 +11,7 @@ import pytest
 from nav_msgs.msg import OccupancyGrid
 from PIL import Image
 
-from course_lib.robots.maps import MapImageError, MapYamlError, read_map, write_map
+from course_lib.robots.nav2 import MapImageError, MapYamlError, read_map, write_map
 from tests.ros.launch.run import recorded
 
 YAML = {

@@ -13,8 +13,8 @@ from course_lib import extension
 from course_lib.ros.graph.graph import Graph, use_graph
 from course_lib.ros.programs.process import make_shell
 from course_lib.ros.programs.program import run_files
-from course_lib.ros.time.busy_loops import BusyWaitTransformer
 from course_lib.ros.time.time_lock import time_lock
+from course_lib.ros.time.virtual_time import BusyWaitTransformer
 from tests.patience import PATIENCE
 from tests.processes import Program
 

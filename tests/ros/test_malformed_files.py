@@ -11,7 +11,7 @@ import pytest
 from course_lib import load_robot
 from course_lib.displays.layout import read_layout
 from course_lib.errors import CourseError
-from course_lib.robots.maps import read_map
+from course_lib.robots.nav2 import read_map
 from course_lib.ros.messages.definitions import add_package
 from course_lib.ros.programs.build_files import executables_of, read_build_files
 from course_lib.viewer.drawables import load_mesh

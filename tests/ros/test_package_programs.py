@@ -11,8 +11,7 @@ from course_lib import cli
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import START_NS, Graph, use_graph
 from course_lib.ros.hints import hint
-from course_lib.ros.programs.missing_packages import NotHereError, unavailable_reason
-from course_lib.ros.programs.packages import not_found_reason, packages
+from course_lib.ros.programs.packages import NotHereError, not_found_reason, packages, unavailable_reason
 from course_lib.ros.programs.program import run_files
 from course_lib.tools.run import ros2_over
 

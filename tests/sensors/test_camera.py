@@ -7,8 +7,8 @@ from PIL import Image as Pictures
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from course_lib.errors import CourseError
-from course_lib.sensors import camera
-from course_lib.sensors.camera import CameraNode, Pinhole
+from course_lib.sensors import sensor_nodes
+from course_lib.sensors.sensor_nodes import CameraNode, Pinhole
 from course_lib.sensors.world import Thing, World, box, placed
 from tests.sensors.scenes import TRANSFORM_OPTICAL_TO_WORLD, published
 
@@ -73,10 +73,10 @@ def test_noise_changes_colors_and_dropouts_are_black() -> None:
 def test_image_shaded_in_parts_has_the_same_lighting(rows: int, monkeypatch: pytest.MonkeyPatch) -> None:
     rays, distance = Pinhole(9, 65, 40.0).rays, np.random.default_rng(0).uniform(1.0, 3.0, 9 * 65)
     distance[::11] = np.inf
-    monkeypatch.setattr(camera, "_ROWS", 65)
-    whole = camera.shade(rays, distance, 9)
-    monkeypatch.setattr(camera, "_ROWS", rows)
-    assert (camera.shade(rays, distance, 9) == whole).all()
+    monkeypatch.setattr(sensor_nodes, "_ROWS", 65)
+    whole = sensor_nodes.shade(rays, distance, 9)
+    monkeypatch.setattr(sensor_nodes, "_ROWS", rows)
+    assert (sensor_nodes.shade(rays, distance, 9) == whole).all()
 
 
 def test_unknown_compression_is_reported() -> None:

@@ -3,7 +3,7 @@ import pytest
 from sensor_msgs.msg import LaserScan, PointCloud2
 
 from course_lib.errors import CourseError
-from course_lib.sensors.lidar import LaserScanNode, PointCloudNode
+from course_lib.sensors.sensor_nodes import LaserScanNode, PointCloudNode
 from course_lib.sensors.world import Thing, World, box, placed, plane
 from tests.sensors.scenes import AT_ORIGIN, published
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from std_msgs.msg import Header
 
 from course_lib.errors import CourseError
-from course_lib.sensors.camera import Pinhole
+from course_lib.sensors.sensor_nodes import Pinhole
 
 
 @given(st.integers(1, 40), st.integers(1, 30), st.floats(1, 1000))

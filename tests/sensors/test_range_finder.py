@@ -3,7 +3,7 @@ import pytest
 from sensor_msgs.msg import Range
 
 from course_lib.errors import CourseError
-from course_lib.sensors.lidar import RangeNode, cone_rays
+from course_lib.sensors.sensor_nodes import RangeNode, cone_rays
 from course_lib.sensors.world import Thing, World, placed, sphere
 from tests.sensors.scenes import AT_ORIGIN, published
 

@@ -5,7 +5,7 @@ import pytest
 from sensor_msgs.msg import LaserScan
 
 from course_lib.errors import CourseError
-from course_lib.sensors.lidar import LaserScanNode
+from course_lib.sensors.sensor_nodes import LaserScanNode
 from course_lib.sensors.world import Thing, World, placed, sphere
 from tests.sensors.scenes import AT_ORIGIN, published
 

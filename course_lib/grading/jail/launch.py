@@ -26,11 +26,11 @@ from typing import Any, Literal
 import course_lib
 from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
-from course_lib.grading.jail import layers
 from course_lib.grading.jail.filters import (
     KEEP_CAPABILITIES,
     Isolation,
     drop_capabilities,
+    enter_root,
     prctl,
     use_capabilities,
 )
@@ -369,7 +369,7 @@ def _move(place: JailEnvironment, read: Sequence[str], links: Sequence[tuple[str
         _change_user(place)
     if place.root == "own":
         visible_paths = [*read, *filter(os.path.exists, DEVICES)]
-        layers.enter_root(visible_paths, place.listed, links, place.scratch)
+        enter_root(visible_paths, place.listed, links, place.scratch)
 
 
 def _try(place: JailEnvironment, read: Sequence[str], links: Sequence[tuple[str, str]]) -> None:

@@ -26,22 +26,20 @@ from course_lib.course.course_file import Limits
 from course_lib.grading.jail.filters import (
     CHILD_SUBREAPER,
     DUMPABLE,
-    NO_NEW_PRIVILEGES,
-    drop_capabilities,
-    filter_calls,
-    prctl,
-    restrict_files,
-)
-from course_lib.grading.jail.launch import DEVICES, HOMES, JailEnvironment, settle, works
-from course_lib.grading.jail.layers import (
     EVERY,
+    NO_NEW_PRIVILEGES,
     apply_limits,
     check_memory,
+    drop_capabilities,
     enter_namespaces,
+    filter_calls,
     mount_files,
+    prctl,
     resident_bytes,
+    restrict_files,
     stop_writing,
 )
+from course_lib.grading.jail.launch import DEVICES, HOMES, JailEnvironment, settle, works
 from course_lib.grading.run.outcome import Excess, Usage, wait_any_child
 from course_lib.grading.run.worker import Worker, warm_up
 from course_lib.ros.graph.remote import Channel

@@ -49,7 +49,7 @@ from course_lib.grading.store import (
 )
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.submissions.notebook import parse_notebook
-from course_lib.grading.submissions.received import UNKNOWN
+from course_lib.grading.submissions.roster import UNKNOWN
 from course_lib.grading.submissions.submission import content_hash, graded_file, unpack
 from course_lib.grading.task import Task
 

@@ -25,6 +25,7 @@ from typing import Any
 from course_lib.course.course_file import Limits
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import build
+from course_lib.grading.jail.filters import descendants
 from course_lib.grading.jail.launch import (
     PIPE_HOLDS,
     START_SECONDS,
@@ -32,7 +33,6 @@ from course_lib.grading.jail.launch import (
     WorkerError,
     shared_template,
 )
-from course_lib.grading.jail.layers import descendants
 from course_lib.grading.run.outcome import (
     MAX_ERRORS,
     MAX_LENGTH,

@@ -51,8 +51,18 @@ from course_lib.grading.submissions.readers import (
     sakai_key,
     sakai_time,
 )
-from course_lib.grading.submissions.received import COLUMNS, ID_FROM, LIST, UNFINISHED
-from course_lib.grading.submissions.roster import PLATFORM, ROSTER, Times, has_key, read_ids, read_times
+from course_lib.grading.submissions.roster import (
+    COLUMNS,
+    ID_FROM,
+    LIST,
+    PLATFORM,
+    ROSTER,
+    UNFINISHED,
+    Times,
+    has_key,
+    read_ids,
+    read_times,
+)
 from course_lib.grading.submissions.submission import lesson_of, read_packed_zip, released_digest
 
 ANY = "*"  # pseudo exercise: all exercises that a student has worked on are collected

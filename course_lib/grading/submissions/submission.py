@@ -41,7 +41,7 @@ from course_lib.grading.submissions.notebook import (
     parse_notebook,
     without_outputs,
 )
-from course_lib.grading.submissions.received import UNFINISHED, Ledger
+from course_lib.grading.submissions.roster import UNFINISHED, Ledger
 from course_lib.third_party import check_regular, read_bytes, read_json
 
 UTC = ZoneInfo("UTC")

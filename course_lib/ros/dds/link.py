@@ -29,7 +29,7 @@ from course_lib.ros.dds.wire import (
 )
 from course_lib.ros.graph.topics import Qos, dds_type, ros_type
 from course_lib.ros.messages import deserialize, message_class, serialize
-from course_lib.ros.messages.hashes import is_known, type_hash
+from course_lib.ros.messages.definitions import is_known, type_hash
 from course_lib.ros.robot.addresses import resolve
 from course_lib.ros.robot.link import (
     Action,

@@ -137,7 +137,7 @@ class EndpointInfo:
     def type_hash(self) -> str | None:
         """Return the hash of the type, or None if the robot transmits none or the type is unknown here."""
         # Imported late, because computing hashes loads all type definitions.
-        from course_lib.ros.messages.hashes import is_known, type_hash
+        from course_lib.ros.messages.definitions import is_known, type_hash
 
         if self.remote_gid:
             return self.remote_type_hash if TYPE_HASH.fullmatch(self.remote_type_hash) else None

@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 from launch.entities import Action, LaunchContext, Substitution
 
-from course_lib.ros.programs.missing_packages import (
+from course_lib.ros.programs.packages import (
     INSTALLED,
     NotHereError,
     is_tolerant,

@@ -34,12 +34,6 @@ from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import THREADS, current_graph, program
 from course_lib.ros.hints import hint
 from course_lib.ros.programs import absent_modules, import_path
-from course_lib.ros.programs.missing_packages import (
-    NotHereError,
-    reason_in,
-    tolerate_missing,
-    unavailable_reason,
-)
 from course_lib.ros.programs.package_programs import (
     Executables,
     find_component,
@@ -47,7 +41,15 @@ from course_lib.ros.programs.package_programs import (
     prepend_to_path,
     unload_packages,
 )
-from course_lib.ros.programs.packages import prepend_paths, python_path, source
+from course_lib.ros.programs.packages import (
+    NotHereError,
+    prepend_paths,
+    python_path,
+    reason_in,
+    source,
+    tolerate_missing,
+    unavailable_reason,
+)
 from course_lib.ros.programs.process import INTERRUPTED, Function, Process, Processes, Program
 from course_lib.ros.time.time_lock import DeadlockError, ShutDown, time_lock
 from course_lib.ros.tracebacks import format_location, line_of_traceback

@@ -10,12 +10,13 @@ from typing import Any
 
 from course_lib.errors import CourseError, did_you_mean, location_of
 from course_lib.ros.programs.build_files import malformed_script
-from course_lib.ros.programs.missing_packages import NotHereError, unavailable_reason
 from course_lib.ros.programs.packages import (
+    NotHereError,
     Package,
     find_package,
     not_found_reason,
     python_path,
+    unavailable_reason,
 )
 from course_lib.ros.programs.process import Function, Program
 

@@ -5,6 +5,11 @@ Everything that looks up a package by its name uses this index: `course run`, th
 imports. Sources are found as colcon finds them (colcon-recursive-crawl): at any depth, by the
 `<name>` of a `package.xml` whatever the folder is called, not below a folder with an ignore file,
 and not inside of another package.
+
+A launch file continues without packages that are not installed here. Most public launch files start
+a simulator, drivers or controllers along with programs that can run here. While a launch file is
+read, the share folder of a missing package is the path that it has on a robot. An action that then
+uses the path is skipped with one line in the log, and all other actions start.
 """
 
 import atexit
@@ -13,8 +18,11 @@ import re
 import shutil
 import sys
 import tempfile
+import tomllib
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import distributions
@@ -24,9 +32,73 @@ from xml.etree import ElementTree
 
 from course_lib.errors import CourseError, did_you_mean, location_of
 from course_lib.ros.programs.build_files import Executable, is_python, read_build_files
-from course_lib.ros.programs.missing_packages import clone_instructions, unavailable_reason
 from course_lib.ros.time import wall
 from course_lib.third_party import read_bytes, read_text
+
+INSTALLED = Path("/opt/ros/jazzy/share")
+_absent: ContextVar[dict[str, str] | None] = ContextVar("absent", default=None)
+
+
+class NotHereError(CourseError):
+    """A part of ROS cannot run here, because a package is missing or a program is compiled."""
+
+
+@contextmanager
+def tolerate_missing(absent: dict[str, str] | None) -> Iterator[None]:
+    """Tolerate missing packages within a `with` block and add their names and reasons to `absent`.
+
+    With None, missing packages are errors.
+    """
+    token = _absent.set(absent)
+    try:
+        yield
+    finally:
+        _absent.reset(token)
+
+
+def is_tolerant() -> bool:
+    """Return whether missing packages are tolerated."""
+    return _absent.get() is not None
+
+
+def missing_share_folder(package: str, reason: str) -> Path | None:
+    """Return the share folder that a missing package has on a robot, or None if it is an error."""
+    absent = _absent.get()
+    if absent is None:
+        return None
+    absent[package] = reason
+    return INSTALLED / package
+
+
+def reason_in(text: str) -> str:
+    """Return the reason for the first missing package whose path occurs in a string, or ""."""
+    for name in re.findall(rf"{INSTALLED}/([\w.-]+)", text):
+        reason = (_absent.get() or {}).get(name)
+        if reason:
+            return reason
+    return ""
+
+
+_ELSEWHERE = "or run it on a computer with ROS 2 and link to that: course run FILE --robot dds/HOST"
+_TABLE = Path(__file__).parents[1] / "not_offered.toml"
+_ENTRIES = tomllib.loads(_TABLE.read_text(encoding="utf-8"))
+_PROJECTS, _SOURCES = _ENTRIES["project"], _ENTRIES["source"]
+
+
+def unavailable_reason(package: str) -> str:
+    """Return why a package is not available and what to do instead; "" for all other packages."""
+    for project in _PROJECTS:
+        if re.fullmatch(project["names"], package):
+            return f"{project['reason']}, which pip can't install. Here {project['instead']}; {_ELSEWHERE}."
+    return ""
+
+
+def clone_instructions(package: str) -> str:
+    """Return instructions to clone a Python package that is not on PyPI, or ""."""
+    if package not in _SOURCES:
+        return ""
+    return f"it is a source package: clone it into the workspace's src, with git clone {_SOURCES[package]}"
+
 
 # Number of parent folders of a file in which a checkout, or a folder `src`, is looked for.
 SRC_WITHIN = 4

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import NodesOfProgram, current_graph, program
+from course_lib.ros.hints import syntax_hint
 from course_lib.ros.programs.packages import python_package, python_path, source
-from course_lib.ros.syntax_hints import syntax_hint
-from course_lib.ros.time.busy_loops import BusyWaitTransformer, compile_program
 from course_lib.ros.time.time_lock import (
     AtEnd,
     DeadlockError,
@@ -24,6 +23,7 @@ from course_lib.ros.time.time_lock import (
     StoppedThread,
     time_lock,
 )
+from course_lib.ros.time.virtual_time import BusyWaitTransformer, compile_program
 from course_lib.ros.tracebacks import print_error
 from course_lib.third_party import compile_python, read_bytes, read_json
 

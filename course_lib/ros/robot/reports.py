@@ -2,7 +2,7 @@
 
 import errno
 
-from course_lib.ros.messages.hashes import is_known, type_hash
+from course_lib.ros.messages.definitions import is_known, type_hash
 from course_lib.ros.robot.link import Entity, Link
 
 HUMBLE_HASH = "TypeHashNotSupported"

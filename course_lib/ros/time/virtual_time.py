@@ -6,9 +6,14 @@ the operating system would keep the time lock, and robot time would never advanc
 functions and classes are replaced, once, for the whole process. Every replacement checks whether
 the calling thread is a program thread; for all other threads it calls the original, so Jupyter's
 own threads keep to the wall clock.
+
+A loop like `while not done: pass` contains no call of the kit, so robot time would stand still and
+the loop would never end. A call that counts its rounds is compiled into such loops: after many
+rounds it lets robot time advance. In a notebook, sleeps of a cell drive the live nodes.
 """
 
 import _thread
+import ast
 import queue
 import selectors
 import signal
@@ -16,13 +21,17 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from importlib.machinery import SourceFileLoader
+from itertools import count
 from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import START_NS, current_graph, program
-from course_lib.ros.time import busy_loops, wall
-from course_lib.ros.time.busy_loops import cell
+from course_lib.ros.time import wall
 from course_lib.ros.time.time_lock import (
+    POLL_STEP_NS,
+    POLLS_BEFORE_TIME_PASSES,
+    POLLS_PER_STEP,
     ProgramThread,
     ShutDown,
     StoppedThread,
@@ -30,6 +39,96 @@ from course_lib.ros.time.time_lock import (
     set_handler,
     time_lock,
 )
+from course_lib.ros.tracebacks import is_own
+from course_lib.third_party import compile_python
+
+
+class RunningCell:
+    """The state of the running cell. `%load_ext course_lib` sets `drive`, which drives nodes."""
+
+    def __init__(self) -> None:
+        self.is_running = False
+        self.drive: Callable[[float], bool] = lambda seconds: False
+
+    def is_running_in_caller(self) -> bool:
+        """Return whether the calling thread runs a cell."""
+        return self.is_running and threading.current_thread() is threading.main_thread()
+
+    def sleep(self, seconds: float) -> None:
+        """Sleep [s]. Robot time advances if live nodes or threads of cells wait for it."""
+        if not (self.is_running_in_caller() and self.drive(seconds)):
+            wall.sleep(seconds)
+
+
+cell = RunningCell()
+
+
+_CALL = f"__import__({__name__!r}, fromlist=['count_round']).count_round()"
+_rounds_in_cells = count(1)
+_real_get_code = SourceFileLoader.get_code
+
+
+class BusyWaitTransformer(ast.NodeTransformer):
+    """Inserts the call into the waiting loops of a syntax tree.
+
+    Also used as one of IPython's `ast_transformers`.
+    """
+
+    def visit(self, node: ast.AST) -> Any:
+        """Insert the call into each loop of the tree that only waits."""
+        # ast.walk does not recurse, so expressions may have thousands of terms.
+        for loop in ast.walk(node):
+            if not isinstance(loop, ast.While) or not _is_idle(loop.body):
+                continue
+            # `while True: pass` hangs in ROS as well, so it is left alone and reported.
+            is_endless = isinstance(loop.test, ast.Constant) and loop.test.value
+            may_end = not is_endless or any(isinstance(inner, ast.Break) for inner in ast.walk(loop))
+            # A condition that awaits lets other coroutines run.
+            yields = any(isinstance(p, (ast.Await, ast.Yield, ast.YieldFrom)) for p in ast.walk(loop.test))
+            if may_end and not yields:
+                (call,) = ast.parse(_CALL).body
+                for inserted in ast.walk(call):
+                    ast.copy_location(inserted, loop)
+                loop.body.insert(0, call)
+        return node
+
+
+def _is_idle(statements: list[ast.stmt]) -> bool:
+    """Return whether statements do nothing except leave the loop."""
+    return all(
+        isinstance(statement, (ast.Pass, ast.Continue, ast.Break))
+        or (isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant))
+        or (isinstance(statement, ast.If) and _is_idle(statement.body) and _is_idle(statement.orelse))
+        for statement in statements
+    )
+
+
+def count_round() -> None:
+    """Count a round of a waiting loop. After many rounds, let robot time advance."""
+    if time_lock.is_program_thread():
+        time_lock.poll(reads_clock=True)
+    elif cell.is_running_in_caller():
+        rounds = next(_rounds_in_cells)
+        if rounds >= POLLS_BEFORE_TIME_PASSES and rounds % POLLS_PER_STEP == 0:
+            cell.sleep(POLL_STEP_NS * 1e-9)
+
+
+def compile_program(source: bytes, file: str) -> Any:
+    """Compile a program's source. Raise the exceptions of `compile`."""
+    tree = BusyWaitTransformer().visit(compile_python(source, file, ast.PyCF_ONLY_AST))
+    try:
+        return compile(tree, file, "exec", dont_inherit=True)
+    except RecursionError:
+        # Python compiles source that is nested more deeply than a syntax tree may be.
+        return compile_python(source, file)
+
+
+def _get_code(loader: SourceFileLoader, name: str) -> Any:
+    """Return a module's code, compiled with `compile_program` and not cached if it is a student's own."""
+    path = loader.get_filename(name)
+    source = loader.get_data(path) if is_own(path) else b""
+    return compile_program(source, path) if b"while" in source else _real_get_code(loader, name)
+
 
 _real_start = threading.Thread.start
 _real_join = threading.Thread.join
@@ -54,6 +153,7 @@ def install() -> None:
 
     replacements: tuple[tuple[Any, str, Any], ...] = (
         (time, "sleep", _sleep),
+        (SourceFileLoader, "get_code", _get_code),
         (signal, "signal", set_handler),
         (signal, "getsignal", get_handler),
         (threading, "Lock", Lock),
@@ -74,7 +174,6 @@ def install() -> None:
     )
     for owner, name, replacement in replacements:
         setattr(owner, name, replacement)
-    busy_loops.install()
     streams = sys.modules.get("ipykernel.iostream")
     # Jupyter sends a kernel's output from a separate thread.
     if streams is not None:

@@ -1,21 +1,29 @@
 """The link over Zenoh: one session with a robot's router, and the entities of the kit in it.
 
 Zenoh calls handlers in its own threads. A handler only puts an action into the queue or a message
-into an inbox; see `course_lib.ros.robot.link`.
+into an inbox; see `course_lib.ros.robot.link`. Keys, tokens, QoS, attachments and GIDs have the wire
+format of rmw_zenoh_cpp (Jazzy, 0.2.4 and newer).
 """
 
+import _thread
 import itertools
+import json
+import re
+import ssl
+import struct
 from _queue import SimpleQueue
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, Literal, cast
 
 import zenoh
 from zenoh import ext
+from zenoh.handlers import Callback
 
-from course_lib.errors import format_count
-from course_lib.ros.graph.topics import Qos
-from course_lib.ros.messages.hashes import type_hash
+from course_lib.errors import CourseError, format_count
+from course_lib.ros.graph.topics import Qos, dds_type, ros_type
+from course_lib.ros.messages.definitions import type_hash
 from course_lib.ros.robot.link import (
     Actions,
     Declaration,
@@ -32,24 +40,419 @@ from course_lib.ros.robot.link import (
     latched_depth,
 )
 from course_lib.ros.time import wall
-from course_lib.ros.zenoh.session import (
-    CALL_SECONDS,
-    GATEWAY,
-    DriverLock,
-    Handlers,
-    open_session,
-    read_gateway_key,
-    split_login,
-)
-from course_lib.ros.zenoh.tokens import (
-    ADMIN,
-    CODES,
-    ZenohEntity,
-    decode_attachment,
-    encode_attachment,
-    key_expr_of,
-    read_token,
-)
+
+ROBOT = "robot"  # user name of a robot that connects to the gateway
+# Namespace of the topics that students send, as in /students/ann/cmd_vel.
+STUDENTS = "students"
+# @course/ann/<zid> is the liveliness token of a connected kit. Students' names have no capital
+# letters, so @course/GATEWAY is available for the gateway's token.
+PRESENCE = "@course"
+GATEWAY = f"{PRESENCE}/GATEWAY"
+# Stands for no driver, or no topics, in the gateway's token.
+NONE = "-"
+
+
+@dataclass(frozen=True)
+class Login:
+    """The user of a link. An empty name means that no login is needed."""
+
+    name: str = ""
+    token: str = ""
+
+    def settings(self, address: str) -> dict[str, Any]:
+        """Return Zenoh's settings: the login and, for TLS, the certificates that this computer trusts."""
+        settings: dict[str, Any] = {}
+        if self.name:
+            settings["transport/auth/usrpwd"] = {"user": self.name, "password": self.token}
+        # The environment variable SSL_CERT_FILE overrides the default.
+        certificates = ssl.get_default_verify_paths().cafile
+        if address.startswith("tls/") and certificates:
+            settings["transport/link/tls"] = {"root_ca_certificate": certificates}
+        return settings
+
+    def network_topic(self, topic: str) -> str:
+        """Return the topic on which this user's messages are sent; for students, in their namespace."""
+        namespace = f"/{STUDENTS}/{self.name}"
+        if self.name in ("", ROBOT) or topic.startswith(f"{namespace}/"):
+            return topic
+        return namespace + topic
+
+    def presence_key(self, zid: str) -> str:
+        """Return the key of the token that makes this user known to a gateway; "" without a login."""
+        return f"{PRESENCE}/{self.name}/{zid}" if self.name else ""
+
+
+NO_LOGIN = Login()
+
+
+def gateway_key(driver: str, topics: Iterable[str]) -> str:
+    """Return the key of the token with the driver and the topics that are forwarded to the robot."""
+    return f"{GATEWAY}/{driver or NONE}/{','.join(topics).replace('/', '%') or NONE}"
+
+
+def read_gateway_key(key: str) -> tuple[str, list[str]]:
+    """Return the driver ("" if there is none) and the topics in the key of a gateway's token."""
+    driver, topics = key.removeprefix(f"{GATEWAY}/").split("/")
+    names = [] if topics == NONE else topics.replace("%", "/").split(",")
+    return driver if driver != NONE else "", [f"/{name.removeprefix('/')}" for name in names]
+
+
+def split_login(address: str) -> tuple[str, Login]:
+    """Split an address into the address without the login, and the login."""
+    match = re.fullmatch(r"(\w+/)(\w+):([\w-]+)@(.+)", address)
+    return (match[1] + match[4], Login(match[2], match[3])) if match else (address, NO_LOGIN)
+
+
+class DriverLock:
+    """Reports the student's topics that a gateway does not forward, once for each driver.
+
+    Args:
+        login: The student's login.
+        report: Prints a line.
+    """
+
+    def __init__(self, login: Login, report: Callable[[str], None]) -> None:
+        self._login, self._report = login, report
+        # None: not known yet; "": there is no driver.
+        self._driver: str | None = None
+        # The topics that the gateway forwards.
+        self._topics: Sequence[str] = ()
+        # By sent topic: whether it was reported as not forwarded.
+        self._reported: dict[str, bool] = {}
+
+    def change(self, driver: str, topics: Sequence[str]) -> None:
+        """Set the driver and the topics that the gateway forwards."""
+        has_changed = driver != self._driver
+        self._driver, self._topics = driver, topics
+        for topic in tuple(self._reported) if has_changed else ():
+            self._explain(topic)
+
+    def on_sent(self, topic: str) -> None:
+        """Record that a message on a topic has been sent."""
+        if topic not in self._reported:
+            self._reported[topic] = False
+            self._explain(topic)
+
+    def status_rows(self) -> list[tuple[str, object]]:
+        """Return the driver as a row of `ros2 doctor`. Without a gateway, return no row."""
+        if self._driver is None:
+            return []
+        return [("driver", "you" if self._driver == self._login.name else self._driver or "nobody")]
+
+    def _explain(self, topic: str) -> None:
+        network_topic = self._login.network_topic(topic)
+        if self._driver is None or network_topic == topic:
+            return
+        if topic not in self._topics:
+            if not self._reported[topic]:
+                self._report(
+                    f"The gateway does not pass {topic} on to the robot: others hear it as {network_topic}."
+                )
+            self._reported[topic] = True
+        elif self._driver != self._login.name:
+            self._report(
+                f"{self._driver or 'Nobody'} drives: your {topic} is not passed on to the robot. "
+                "The instructor chooses the driver."
+            )
+            self._reported[topic] = True
+        elif self._reported[topic]:
+            self._report(f"You drive now: your {topic} goes to the robot.")
+            self._reported[topic] = False
+
+
+OPEN_SECONDS = 3.0  # [s] timeout of a router's answer
+CALL_SECONDS = 600.0  # [s] timeout of a service call, as in rmw_zenoh
+# Timeout of running handlers at the end, and the polling period.
+END_SECONDS, POLL_SECONDS = 2.0, 0.005
+
+
+class Handlers:
+    """Handlers that are called by Zenoh's own threads and counted until each has been dropped.
+
+    Handlers in Python threads would keep the interpreter alive while a session is open, and such a
+    thread would belong to the program, whose `Thread.start` robot time replaces. But if the
+    interpreter exits while a thread of Zenoh runs a handler, the process aborts. So `wait` has to
+    be called after closing a session.
+    """
+
+    def __init__(self) -> None:
+        self.alive_count, self._mutex = 0, _thread.allocate_lock()
+
+    def direct(
+        self,
+        function: Callable[[Any], None],
+        on_end: Callable[[], None] | None = None,
+    ) -> "Callback[Any]":
+        """Return a handler for `function`. `on_end` is called after the last call."""
+        with self._mutex:
+            self.alive_count += 1
+
+        def on_drop() -> None:
+            if on_end is not None:
+                on_end()
+            with self._mutex:
+                self.alive_count -= 1
+
+        return Callback(function, on_drop, indirect=False)
+
+    def wait(self, seconds: float = END_SECONDS) -> None:
+        """Wait until all handlers have been dropped, at most `seconds`."""
+        deadline = wall.monotonic() + seconds
+        while self.alive_count and wall.monotonic() < deadline:
+            wall.sleep(POLL_SECONDS)
+
+
+def open_session(address: str, login: Login = NO_LOGIN) -> zenoh.Session:
+    """Open a session in client mode, because a robot's router does not route between peers.
+
+    Raises:
+        CourseError: No router answers, or the address is invalid.
+    """
+    settings = {
+        "mode": "client",
+        "connect/endpoints": [address],
+        "connect/timeout_ms": round(OPEN_SECONDS * 1000),
+        "connect/retry": {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 2},
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "listen/endpoints": [],
+        # The caches of latched topics require time stamps.
+        "timestamping/enabled": True,
+        "queries_default_timeout": round(CALL_SECONDS * 1000),
+        "transport/shared_memory/enabled": False,
+        **login.settings(address),
+    }
+    config = zenoh.Config()
+    try:
+        for key, value in settings.items():
+            config.insert_json5(key, json.dumps(value))
+    except zenoh.ZError as error:
+        raise CourseError(f"{address!r} is not an address: write it like tcp/192.168.1.5:7447.") from error
+    try:
+        return zenoh.open(config)
+    except zenoh.ZError as error:
+        raise CourseError(_unreachable_message(address, login)) from error
+
+
+def _unreachable_message(address: str, login: Login) -> str:
+    """Return the error text for an address that does not answer."""
+    if login.name:
+        return (
+            f"No gateway lets {login.name} in at {address}. Does `course router` run there, is the "
+            "token the one that you were given, is this the right network?"
+        )
+    return (
+        f"No Zenoh router answers at {address}. Does `ros2 run rmw_zenoh_cpp rmw_zenohd` run on "
+        "the robot, is its port open, is this the right network? A robot without Zenoh has an "
+        "address like dds/192.168.1.5."
+    )
+
+
+ADMIN = "@ros2_lv"  # the first part of every liveliness token
+# The depth that an empty field, or a depth of 0, stands for.
+DEFAULT_DEPTH = 42
+DEFAULT_QOS = Qos()
+INFINITE = (9_223_372_036, 854_775_807)  # RMW_DURATION_INFINITE, [s] and [ns]
+# Number of parts of a token. Rolling appends a 14th part to an endpoint's token.
+NODE_PARTS, ENDPOINT_PARTS = 9, 13
+ATTACHMENT = struct.Struct("<qqB16s")  # sequence number, time [ns since 1970], length of the GID, GID
+GID_BYTES = 16
+
+Code = Literal["NN", "MP", "MS", "SS", "SC"]
+KINDS: Mapping[Code, EntityKind] = {
+    "NN": "node",
+    "MP": "publisher",
+    "MS": "subscription",
+    "SS": "server",
+    "SC": "client",
+}
+CODES = {kind: code for code, kind in KINDS.items()}
+
+# Values of the enumerations in rmw/types.h.
+_RELIABILITY = {"reliable": "1", "best_effort": "2"}
+_DURABILITY = {"volatile": "2", "transient_local": "1"}
+_HISTORY = {"keep_last": "1", "keep_all": "2"}
+_LIVELINESS = {"automatic": "1", "manual_by_topic": "3"}
+
+
+@dataclass(frozen=True, slots=True)
+class ZenohEntity:
+    """A node or endpoint, as its liveliness token describes it.
+
+    Args:
+        zid: Zenoh ID of its session, as `str(session.zid())`.
+        node_id: ID of its node; a session counts IDs from 0.
+        topic: Fully qualified name of the topic or service.
+        type_name: Type like `std_msgs/msg/String`; for a service without `_Request`.
+        type_hash: Hash like `RIHS01_…`.
+    """
+
+    domain: int
+    zid: str
+    node_id: int
+    id: int
+    code: Code
+    namespace: str
+    node: str
+    topic: str = ""
+    type_name: str = ""
+    type_hash: str = ""
+    qos: Qos = DEFAULT_QOS
+    enclave: str = "/"
+
+    @property
+    def kind(self) -> EntityKind:
+        """The kind of entity."""
+        return KINDS[self.code]
+
+    @property
+    def key(self) -> str:
+        """The key that identifies the entity: its token."""
+        return self.token
+
+    @property
+    def node_key(self) -> tuple[str, int]:
+        """The key that identifies the entity's node."""
+        return self.zid, self.node_id
+
+    @property
+    def token(self) -> str:
+        """The key expression of its liveliness token."""
+        parts = [ADMIN, str(self.domain), self.zid, str(self.node_id), str(self.id), self.code]
+        parts += [_mangle(self.enclave), _mangle(self.namespace), self.node]
+        if self.code != "NN":
+            parts += [_mangle(self.topic), dds_type(self.type_name), self.type_hash, encode_qos(self.qos)]
+        return "/".join(parts)
+
+    @property
+    def key_expr(self) -> str:
+        """The key expression of its messages, requests and replies."""
+        return key_expr_of(self.domain, self.topic, self.type_name, self.type_hash)
+
+    @property
+    def gid(self) -> bytes:
+        """XXH3-128 of the token, low half first, each half little endian."""
+        # xxhash belongs to the extra `robot`, so it is imported on first use.
+        import xxhash
+
+        return xxhash.xxh3_128(self.token.encode()).intdigest().to_bytes(GID_BYTES, "little")
+
+
+def key_expr_of(domain: int, topic: str, type_name: str, type_hash: str) -> str:
+    """Return the key expression of a topic or service."""
+    return f"{domain}/{topic.strip('/')}/{dds_type(type_name)}/{type_hash}"
+
+
+def read_token(key: str) -> ZenohEntity | None:
+    """Return the entity that a token describes, or None for other keys."""
+    parts = key.split("/")
+    if len(parts) < NODE_PARTS or parts[0] != ADMIN or parts[5] not in KINDS:
+        return None
+    code = cast("Code", parts[5])
+    try:
+        numbers = int(parts[1]), parts[2], int(parts[3]), int(parts[4])
+        if code == "NN":
+            return ZenohEntity(*numbers, code, _demangle(parts[7]), parts[8], enclave=_demangle(parts[6]))
+        topic, type_name, type_hash, qos = parts[9:ENDPOINT_PARTS]
+        return ZenohEntity(
+            *numbers,
+            code,
+            _demangle(parts[7]),
+            parts[8],
+            _demangle(topic),
+            ros_type(type_name),
+            type_hash,
+            decode_qos(qos),
+            _demangle(parts[6]),
+        )
+    except ValueError:
+        # A part is missing or not a number.
+        return None
+
+
+def encode_qos(qos: Qos) -> str:
+    """Encode a QoS. Default values are omitted: `2::,5:,:,:,,` is best effort with depth 5."""
+    depth = "" if qos.depth in (0, DEFAULT_DEPTH) else str(qos.depth)
+    parts = (
+        _encode_policy(_RELIABILITY, qos.reliability),
+        _encode_policy(_DURABILITY, qos.durability),
+        f"{_encode_policy(_HISTORY, qos.history)},{depth}",
+        _encode_span(qos.deadline_ns),
+        _encode_span(qos.lifespan_ns),
+        f"{_encode_policy(_LIVELINESS, qos.liveliness)},{_encode_span(qos.lease_ns)}",
+    )
+    return ":".join(parts)
+
+
+def decode_qos(text: str) -> Qos:
+    """Decode a QoS.
+
+    Raises:
+        ValueError: The string is not an encoded QoS.
+    """
+    reliability, durability, history_policy, deadline, lifespan, liveliness_policy = text.split(":")
+    history, depth = history_policy.split(",")
+    liveliness, lease = liveliness_policy.split(",", 1)
+    return Qos(
+        history=cast('Literal["keep_last", "keep_all"]', _decode_policy(_HISTORY, history)),
+        depth=int(depth or DEFAULT_DEPTH),
+        reliability=cast('Literal["reliable", "best_effort"]', _decode_policy(_RELIABILITY, reliability)),
+        durability=cast('Literal["volatile", "transient_local"]', _decode_policy(_DURABILITY, durability)),
+        deadline_ns=_decode_span(deadline),
+        lifespan_ns=_decode_span(lifespan),
+        liveliness=cast('Literal["automatic", "manual_by_topic"]', _decode_policy(_LIVELINESS, liveliness)),
+        lease_ns=_decode_span(lease),
+    )
+
+
+def encode_attachment(sequence: int, gid: bytes, source_ns: int) -> bytes:
+    """Return the attachment of a message, request or reply. Sequence numbers start at 1."""
+    return ATTACHMENT.pack(sequence, source_ns, GID_BYTES, gid)
+
+
+def decode_attachment(data: bytes) -> tuple[int, int, bytes]:
+    """Decode an attachment into sequence number, time [ns] and GID.
+
+    Raises:
+        ValueError: The attachment has another format, like that of rmw_zenoh before 0.2.4.
+    """
+    if len(data) != ATTACHMENT.size or data[16] != GID_BYTES:
+        raise ValueError(f"the attachment has {len(data)} bytes instead of {ATTACHMENT.size}")
+    sequence, source_ns, _, gid = ATTACHMENT.unpack(data)
+    return sequence, source_ns, gid
+
+
+def _mangle(name: str) -> str:
+    return name.replace("/", "%") or "%"
+
+
+def _demangle(name: str) -> str:
+    return name.replace("%", "/")
+
+
+def _encode_policy(codes: Mapping[str, str], value: str) -> str:
+    # The first code of each table is rmw_zenoh's default. It also stands for an unknown history.
+    return "" if value in (next(iter(codes)), "unknown") else codes[value]
+
+
+def _decode_policy(codes: Mapping[str, str], text: str) -> str:
+    """Return the policy value of a code. An unknown code becomes the default."""
+    return {code: value for value, code in codes.items()}.get(text, next(iter(codes)))
+
+
+def _encode_span(duration_ns: int | None) -> str:
+    span = INFINITE if duration_ns is None else divmod(duration_ns, 10**9)
+    return ",".join(
+        "" if value == infinite else str(value) for value, infinite in zip(span, INFINITE, strict=True)
+    )
+
+
+def _decode_span(text: str) -> int | None:
+    seconds, nanoseconds = (
+        int(value or infinite) for value, infinite in zip(text.split(","), INFINITE, strict=True)
+    )
+    return None if (seconds, nanoseconds) == INFINITE else seconds * 10**9 + nanoseconds
+
 
 # Timeout of the query for other domains.
 QUERY_SECONDS = 1.0

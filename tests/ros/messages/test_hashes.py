@@ -4,8 +4,7 @@ import json
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.ros.messages.definitions import type_names
-from course_lib.ros.messages.hashes import describe_type, is_known, type_hash
+from course_lib.ros.messages.definitions import describe_type, is_known, type_hash, type_names
 
 # From real ROS 2: the docs of rmw_zenoh, `ros2 topic info -v` in public logs, and the .json files of Jazzy's
 # and Lyrical's packages, as other implementations cite them.

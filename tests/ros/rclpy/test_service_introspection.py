@@ -14,7 +14,7 @@ from service_msgs.msg import ServiceEventInfo
 
 from course_lib.recording import record
 from course_lib.ros.graph.graph import START_NS, Graph
-from course_lib.ros.messages.hashes import type_hash
+from course_lib.ros.messages.definitions import type_hash
 
 KINDS = [
     ServiceEventInfo.REQUEST_SENT,

@@ -15,7 +15,7 @@ from type_description_interfaces.srv import GetTypeDescription
 from visualization_msgs.msg import Marker
 
 from course_lib.ros.graph.graph import Graph
-from course_lib.ros.messages.hashes import type_hash
+from course_lib.ros.messages.definitions import type_hash
 
 
 @pytest.fixture

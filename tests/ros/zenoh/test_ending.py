@@ -7,8 +7,7 @@ import pytest
 
 from course_lib.ros.robot.sending import OutgoingTraffic
 from course_lib.ros.time import wall
-from course_lib.ros.zenoh.link import ZenohLink
-from course_lib.ros.zenoh.session import Handlers, open_session
+from course_lib.ros.zenoh.link import Handlers, ZenohLink, open_session
 from tests.patience import PATIENCE, join
 from tests.ros.zenoh.conftest import Kits
 from tests.ros.zenoh.test_two_kits import client, listener, serve

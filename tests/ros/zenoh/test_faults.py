@@ -11,22 +11,21 @@ from std_msgs.msg import String
 from course_lib.ros.graph.graph import use_graph
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import deserialize, serialize, type_name
-from course_lib.ros.messages.hashes import type_hash
+from course_lib.ros.messages.definitions import type_hash
 from course_lib.ros.robot.link import Packet
 from course_lib.ros.robot.reports import NO_STOP, STOP_IS_DUE, clock_warning
-from course_lib.ros.robot.robot_graph import RobotGraph
-from course_lib.ros.robot.sending import STALE
-from course_lib.ros.robot.subscriptions import (
+from course_lib.ros.robot.robot_graph import (
     MAX_BYTES,
     MAX_MESSAGES,
     Inbox,
+    RobotGraph,
     TopicSubscription,
     TopicSubscriptions,
     Traffic,
 )
+from course_lib.ros.robot.sending import STALE
 from course_lib.ros.time import wall
-from course_lib.ros.zenoh.session import open_session
-from course_lib.ros.zenoh.tokens import encode_attachment, key_expr_of
+from course_lib.ros.zenoh.link import encode_attachment, key_expr_of, open_session
 from course_lib.tools.sources import GraphSource
 from tests.patience import PATIENCE
 from tests.processes import Program

@@ -1,7 +1,7 @@
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.ros.zenoh.session import (
+from course_lib.ros.zenoh.link import (
     DriverLock,
     Login,
     gateway_key,

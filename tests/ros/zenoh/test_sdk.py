@@ -19,8 +19,7 @@ from tf2_msgs.msg import TFMessage
 from course_lib.ros.graph.graph import Graph
 from course_lib.ros.graph.topics import SERVICE_HEADER
 from course_lib.ros.messages import deserialize, serialize, type_name
-from course_lib.ros.messages.definitions import typestore
-from course_lib.ros.messages.hashes import type_hash
+from course_lib.ros.messages.definitions import type_hash, typestore
 from course_lib.ros.messages.interface_files import kit_files
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource

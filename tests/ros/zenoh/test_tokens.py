@@ -3,7 +3,7 @@ from dataclasses import replace
 import pytest
 
 from course_lib.ros.graph.topics import Qos
-from course_lib.ros.zenoh.tokens import (
+from course_lib.ros.zenoh.link import (
     ZenohEntity,
     decode_attachment,
     decode_qos,

@@ -16,7 +16,7 @@ from course_lib.ros.robot.reports import second_driver_warning
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.robot.sending import STALE, BlockedTraffic, Permissions
 from course_lib.ros.time import wall
-from course_lib.ros.zenoh.session import open_session
+from course_lib.ros.zenoh.link import open_session
 from tests.ros.zenoh.conftest import Kits, zenoh_link
 
 STRING, CLOCK = "std_msgs/msg/String", "rosgraph_msgs/msg/Clock"

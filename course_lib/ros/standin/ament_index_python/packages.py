@@ -5,8 +5,7 @@ from pathlib import Path
 from ament_index_python.resources import get_resources
 from course_lib.ros.programs import packages
 from course_lib.ros.programs.import_path import provided_packages
-from course_lib.ros.programs.missing_packages import INSTALLED, missing_share_folder
-from course_lib.ros.programs.packages import share_folder
+from course_lib.ros.programs.packages import INSTALLED, missing_share_folder, share_folder
 
 
 class PackageNotFoundError(KeyError):

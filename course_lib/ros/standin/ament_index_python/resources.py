@@ -9,7 +9,7 @@ from course_lib.ros.messages import definitions
 from course_lib.ros.programs import packages
 from course_lib.ros.programs.build_files import read_build_files
 from course_lib.ros.programs.import_path import provided_packages
-from course_lib.ros.programs.missing_packages import INSTALLED
+from course_lib.ros.programs.packages import INSTALLED
 from course_lib.third_party import read_text
 
 _INDEX = Path("share", "ament_index", "resource_index")

@@ -13,7 +13,7 @@ from typing import Any
 
 from ament_index_python.packages import PackageNotFoundError
 
-from course_lib.ros.programs.missing_packages import NotHereError, unavailable_reason
+from course_lib.ros.programs.packages import NotHereError, unavailable_reason
 from launch.conditions import as_bool
 from launch.entities import (
     Action,

@@ -29,7 +29,7 @@ from lifecycle_msgs.msg import Transition, TransitionEvent
 from course_lib.ros.graph.graph import NodesOfProgram, current_graph
 from course_lib.ros.graph.topics import SERVICE_HEADER, SERVICE_TOPICS, Qos
 from course_lib.ros.messages import deserialize, serialize
-from course_lib.ros.programs.missing_packages import NotHereError
+from course_lib.ros.programs.packages import NotHereError
 from launch_ros.events.lifecycle import ChangeState, StateTransition
 from launch_ros.events.matchers import matches_node_name
 from launch_ros.parameter_descriptions import ParameterFile, check_values, evaluated, words_for

@@ -12,7 +12,7 @@ from launch.conditions import as_bool
 from launch.entities import LaunchContext, SomeSubstitutionsType, Substitution, text_of
 from launch.frontend import parse_substitution
 
-from course_lib.ros.programs.missing_packages import INSTALLED
+from course_lib.ros.programs.packages import INSTALLED
 from course_lib.third_party import read_text
 
 # Number of characters of a value that an error shows.

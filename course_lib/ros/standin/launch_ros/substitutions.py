@@ -7,8 +7,7 @@ from typing import Any
 from ament_index_python.packages import get_package_prefix, get_package_share_directory
 from launch.entities import LaunchContext, SomeSubstitutionsType, Substitution, SubstitutionFailure, text_of
 
-from course_lib.ros.programs.missing_packages import INSTALLED
-from course_lib.ros.programs.packages import find_package
+from course_lib.ros.programs.packages import INSTALLED, find_package
 from launch_ros.actions import PARAMETERS
 
 

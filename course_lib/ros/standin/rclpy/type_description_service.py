@@ -7,8 +7,13 @@ from rcl_interfaces.msg import ParameterDescriptor, ParameterType
 from type_description_interfaces.msg import Field, FieldType, IndividualTypeDescription, TypeSource
 from type_description_interfaces.srv import GetTypeDescription
 
-from course_lib.ros.messages.definitions import EVENT_PART, field_definitions, typestore
-from course_lib.ros.messages.hashes import describe_type, type_hash
+from course_lib.ros.messages.definitions import (
+    EVENT_PART,
+    describe_type,
+    field_definitions,
+    type_hash,
+    typestore,
+)
 from rclpy.impl.node_handle import NodeInterface
 from rclpy.logging import get_logger
 from rclpy.parameter import Parameter

@@ -8,7 +8,7 @@ from ament_index_python.packages import get_package_prefix
 from course_lib.ros.messages import definitions
 from course_lib.ros.programs import packages
 from course_lib.ros.programs.import_path import provided_packages
-from course_lib.ros.programs.missing_packages import INSTALLED
+from course_lib.ros.programs.packages import INSTALLED
 
 _KINDS = ("msg", "srv", "action")
 

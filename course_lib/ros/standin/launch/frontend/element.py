@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
 
 from course_lib.errors import did_you_mean
-from course_lib.ros.programs.missing_packages import NotHereError
-from course_lib.ros.programs.packages import not_found_reason
+from course_lib.ros.programs.packages import NotHereError, not_found_reason
 from launch.conditions import IfCondition, UnlessCondition
 from launch.entities import Action, Condition, InvalidLaunchFileError, LaunchContext, LaunchDescription
 from launch.frontend.entity import Entity, EntityError, read_entity
