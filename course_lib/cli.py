@@ -108,8 +108,7 @@ def router(
     from course_lib.ros.robot.connect import require_zenoh
 
     require_zenoh("A gateway needs them, because students connect to it over Zenoh.")
-    from course_lib.gateway.access import relative_names
-    from course_lib.gateway.gateway import Settings
+    from course_lib.gateway.gateway import Settings, relative_names
     from course_lib.gateway.gateway import router as run
 
     sends, calls = relative_names(send or (), "--send"), relative_names(call or (), "--call")

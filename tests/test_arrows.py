@@ -56,7 +56,6 @@ ARROWS = {
 }
 # The modules of ros above the stand-in, which run nodes, programs and launch files; the others are below it.
 ABOVE_THE_STANDIN = {
-    "course_lib.ros.programs.absent_modules",
     "course_lib.ros.programs.launch_program",
     "course_lib.ros.programs.package_programs",
     "course_lib.ros.programs.program",

@@ -2,14 +2,17 @@
 
 from course_lib.recording.bag import (
     BagWriter,
+    Recorder,
+    Recording,
+    TopicSummary,
     bag_info,
     bag_metadata,
     read_bag,
+    record,
     recorded,
     topic_counts,
     write_bag,
 )
-from course_lib.recording.recording import Recorder, Recording, TopicSummary, record
 
 __all__ = [
     "BagWriter",

@@ -3,11 +3,11 @@ from .kinematics import link_poses as link_poses
 from .kinematics import straight_line as straight_line
 from .mobile_manipulator import START as START
 from .mobile_manipulator import OmniBase as OmniBase
+from .mobile_manipulator import PaintNode as PaintNode
+from .mobile_manipulator import Wall as Wall
+from .mobile_manipulator import flatness as flatness
 from .mobile_manipulator import mobile_manipulator as mobile_manipulator
 from .mobile_manipulator import simple_painter as simple_painter
-from .painting import PaintNode as PaintNode
-from .painting import Wall as Wall
-from .painting import flatness as flatness
 from .robot import Robot as Robot
 from .robot import load_robot as load_robot
 from .state_publishers import JointStatePublisher as JointStatePublisher

@@ -9,8 +9,7 @@ import pytest
 import zenoh
 from zenoh.handlers import Callback
 
-from course_lib.gateway.access import PASSWORDS, GatewayUser, load_users
-from course_lib.gateway.gateway import SILENCE, TURN, Gateway, Settings
+from course_lib.gateway.gateway import PASSWORDS, SILENCE, TURN, Gateway, GatewayUser, Settings, load_users
 from tests.patience import PATIENCE, join
 from tests.ports import free_port
 

@@ -12,8 +12,7 @@ from typing import Any
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.gateway.access import PASSWORDS, GatewayUser, load_users
-from course_lib.gateway.gateway import SILENCE, TURN, Gateway, Settings
+from course_lib.gateway.gateway import PASSWORDS, SILENCE, TURN, Gateway, GatewayUser, Settings, load_users
 from course_lib.ros.dds.link import DdsLink
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages.definitions import type_hash

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.gateway.access import load_users
+from course_lib.gateway.gateway import load_users
 from course_lib.real.environment import find_environment
 from course_lib.real.process import RealProcesses
 from tests.gateway.conftest import ROSTER, wait_for

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.gateway.access import GatewayUser, load_users
+from course_lib.gateway.gateway import GatewayUser, load_users
 from tests.gateway.conftest import ROSTER, wait_for
 from tests.patience import PATIENCE
 from tests.ports import free_port

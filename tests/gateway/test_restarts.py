@@ -10,7 +10,7 @@ import pytest
 from visualization_msgs.msg import Marker
 
 from course_lib import Viewer
-from course_lib.gateway.access import load_users
+from course_lib.gateway.gateway import load_users
 from course_lib.ros.graph.graph import use_graph
 from course_lib.ros.messages import serialize
 from course_lib.ros.robot.robot_graph import RobotGraph

@@ -17,8 +17,7 @@ import pytest
 import zenoh
 
 from course_lib.errors import CourseError
-from course_lib.gateway.access import GatewayUser, load_users
-from course_lib.gateway.gateway import Settings, router
+from course_lib.gateway.gateway import GatewayUser, Settings, load_users, router
 from tests.gateway.conftest import ROSTER, Opened, hears, wait_for
 from tests.gateway.test_driving import AHEAD, KEY, STAND
 from tests.patience import PATIENCE

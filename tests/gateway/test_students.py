@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.gateway.access import PASSWORDS, TOKENS, find_student, load_users, relative_names
+from course_lib.gateway.gateway import PASSWORDS, TOKENS, find_student, load_users, relative_names
 
 PLACE = "tls/lab.example:7448"
 

@@ -8,7 +8,7 @@ import pytest
 import rclpy
 from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
-from course_lib.robots.painting import PaintNode
+from course_lib.robots.mobile_manipulator import PaintNode
 from course_lib.ros.graph.graph import START_NS, Graph, use_graph
 from course_lib.ros.messages import deserialize, message_class
 from course_lib.ros.time import virtual_time

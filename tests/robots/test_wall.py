@@ -3,7 +3,7 @@ import numpy.typing as npt
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.robots.painting import Wall, flatness
+from course_lib.robots.mobile_manipulator import Wall, flatness
 
 WALL = Wall(2.0, (-1.0, 1.0), (0.0, 2.4))  # [m]
 AREA, WIDTH = 2.0 * 2.4, 0.2  # [m²], [m]

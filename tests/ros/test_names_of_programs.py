@@ -61,6 +61,14 @@ IMPORTS = (
     "from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum",
     "from rclpy.validate_topic_name import validate_topic_name; assert validate_topic_name('x')",
     "import rclpy; rclpy.get_rmw_implementation_identifier()",
+    "import rclpy; rclpy.clock_type.ClockType, rclpy.constants.S_TO_NS",
+    "from rclpy.lifecycle.managed_entity import SimpleManagedEntity",
+    "from rclpy.lifecycle.publisher import LifecyclePublisher",
+    "from rclpy.type_description_service import TypeDescriptionService",
+    "from ament_index_python.resources import get_resource",
+    "from rosbag2_py._reader import SequentialReader",
+    "from rosidl_runtime_py.set_message import set_message_fields",
+    "from diagnostic_updater._update_functions import FrequencyStatus",
     "import std_msgs; from std_msgs.msg import Header; std_msgs.msg.String",
 )
 

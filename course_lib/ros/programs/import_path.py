@@ -1,7 +1,8 @@
 """Import hooks: modules under ROS's names, interface packages, and packages of the workspace.
 
 A package of ROS often has a module for each class, like `launch_ros.actions.node`, where the
-stand-in has one module for the subject. Programs import both forms.
+stand-in has one module for the subject. Programs import both forms. Modules that hardly any program
+imports by their own names, like `rclpy.type_hash`, are in `HOME_MODULES` only.
 """
 
 import os
@@ -30,28 +31,42 @@ FOLDERS = (
     "launch_ros.substitutions",
 )
 HOME_MODULES = {
+    "ament_index_python.resources": "ament_index_python.packages",
+    "diagnostic_updater._update_functions": "diagnostic_updater._diagnostic_updater",
     "launch.actions.shutdown_action": "launch.actions",
     "launch.descriptions": "launch.actions",
-    "launch.launch_description": "launch.actions",
     "launch.events.matchers": "launch.events",
     "launch.events.process": "launch.events",
+    "launch.launch_description": "launch.actions",
     "launch.launch_description_entity": "launch.entities",
     "launch.substitutions.boolean_substitution": "launch.substitutions",
     "launch_ros.parameters_type": "launch_ros.utilities",
     "launch_ros.remap_rule_type": "launch_ros.utilities",
     "launch_ros.substitutions.find_package": "launch_ros.substitutions",
     "rclpy._rclpy_pybind11": "rclpy.exceptions",
+    "rclpy.clock_type": "rclpy.time",
+    "rclpy.constants": "rclpy.duration",
     "rclpy.expand_topic_name": "rclpy.impl.names",
     "rclpy.guard_condition": "rclpy.impl.node_handle",
+    "rclpy.lifecycle.managed_entity": "rclpy.lifecycle.node",
+    "rclpy.lifecycle.publisher": "rclpy.lifecycle.node",
+    "rclpy.logging_service": "rclpy.parameter_service",
     "rclpy.qos_event": "rclpy.event_handler",
     "rclpy.topic_endpoint_info": "rclpy.impl.graph_queries",
     "rclpy.topic_or_service_is_hidden": "rclpy.impl.names",
+    "rclpy.type_description_service": "rclpy.parameter_service",
     "rclpy.type_hash": "rclpy.impl.graph_queries",
     "rclpy.validate_full_topic_name": "rclpy.impl.names",
     "rclpy.validate_namespace": "rclpy.impl.names",
     "rclpy.validate_node_name": "rclpy.impl.names",
     "rclpy.validate_parameter_name": "rclpy.impl.names",
     "rclpy.validate_topic_name": "rclpy.impl.names",
+    "rosbag2_py._compression_options": "rosbag2_py._storage",
+    "rosbag2_py._info": "rosbag2_py._storage",
+    "rosbag2_py._reader": "rosbag2_py._storage",
+    "rosbag2_py._writer": "rosbag2_py._storage",
+    "rosidl_runtime_py.import_message": "rosidl_runtime_py.utilities",
+    "rosidl_runtime_py.set_message": "rosidl_runtime_py.convert",
 }
 
 
@@ -115,6 +130,8 @@ def _third_party_name(host: str, name: str) -> Any:
     # Every `from … import` also requests __path__.
     if name.startswith("__"):
         raise AttributeError(f"module '{host}' has no attribute '{name}'")
+    if f"{host}.{name}" in HOME_MODULES:
+        return import_module(f"{host}.{name}")
     for home, names in THIRD_PARTY_IMPORTS[host].items():
         if name in names:
             return getattr(import_module(home), name)

@@ -1,6 +1,10 @@
 """Execution of launch files, with the name of its process before each line of output: `[talker-1] `.
 
 Actions that cannot run here, such as a simulator, are skipped with one line in the log.
+
+A launch file that imports a helper module of MoveIt or Webots starts other programs, too.
+Everything it creates with such a module is a placeholder: the action that uses it is skipped in the
+same way, and all other actions start.
 """
 
 import os
@@ -11,13 +15,16 @@ import sysconfig
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
+from importlib.abc import Loader
+from importlib.machinery import ModuleSpec
 from pathlib import Path
-from typing import Any, cast
+from types import ModuleType
+from typing import Any, NoReturn, cast
 
 from ament_index_python.packages import PackageNotFoundError
 from launch.actions import IncludeLaunchDescription, declared
 from launch.conditions import InvalidConditionExpressionError
-from launch.entities import Action, Entities, Event, LaunchContext, listed, text_of
+from launch.entities import Action, Entities, Event, LaunchContext, Substitution, listed, text_of
 from launch.event_handlers import OnProcessIO
 from launch.events import (
     ProcessExited,
@@ -33,7 +40,7 @@ from launch.launch_description_sources import LaunchDescriptionSource
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import THREADS, current_graph, program
 from course_lib.ros.hints import hint
-from course_lib.ros.programs import absent_modules, import_path
+from course_lib.ros.programs import import_path
 from course_lib.ros.programs.package_programs import (
     Executables,
     find_component,
@@ -42,7 +49,10 @@ from course_lib.ros.programs.package_programs import (
     unload_packages,
 )
 from course_lib.ros.programs.packages import (
+    INSTALLED,
     NotHereError,
+    is_tolerant,
+    missing_share_folder,
     prepend_paths,
     python_path,
     reason_in,
@@ -53,6 +63,102 @@ from course_lib.ros.programs.packages import (
 from course_lib.ros.programs.process import INTERRUPTED, Function, Process, Processes, Program
 from course_lib.ros.time.time_lock import DeadlockError, ShutDown, time_lock
 from course_lib.ros.tracebacks import format_location, line_of_traceback
+
+
+class AbsentModules(Loader):
+    """Finds modules that a launch file imports and that no other finder provides.
+
+    It is the last finder.
+    """
+
+    @classmethod
+    def find_spec(
+        cls, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """While a launch file is read, find a module of a package that is known not to run here."""
+        package = name.partition(".")[0]
+        reason = unavailable_reason(package) if is_tolerant() else ""
+        if not reason:
+            return None
+        missing_share_folder(package, f"package '{package}' not found: {reason}")
+        return ModuleSpec(name, cls(), is_package=True)
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType:
+        """Return a module that has a placeholder for every name."""
+        return _AbsentModule(spec.name)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Do nothing, because the module has no code."""
+
+
+class _AbsentModule(ModuleType):
+    def __getattr__(self, name: str) -> "Placeholder":
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return Placeholder(f"{self.__name__}.{name}")
+
+
+class Placeholder(Action, Substitution):
+    """An object of an absent module, or an object created with one.
+
+    `origin` is its name in the module.
+    """
+
+    continues = True
+
+    def __init__(self, origin: str) -> None:
+        Action.__init__(self)
+        self.origin = origin
+
+    def visit(self, context: LaunchContext) -> NoReturn:
+        """Raise the error that makes the launch skip the action."""
+        package = self.origin.partition(".")[0]
+        raise NotHereError(f"package '{package}' not found: {unavailable_reason(package)}")
+
+    def perform(self, context: LaunchContext) -> NoReturn:
+        """Raise the error that makes the launch skip the action that uses the placeholder."""
+        self.visit(context)
+
+    def __getattr__(self, name: str) -> "Placeholder":
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return Placeholder(f"{self.origin}.{name}")
+
+    def __call__(self, *args: Any, **kwargs: Any) -> "Placeholder":
+        """Return a placeholder for the result."""
+        return Placeholder(self.origin)
+
+    def __getitem__(self, key: Any) -> "Placeholder":
+        return Placeholder(self.origin)
+
+    def __setitem__(self, key: Any, value: Any) -> None:
+        """Ignore the value."""
+
+    def __iter__(self) -> Iterator["Placeholder"]:
+        yield Placeholder(self.origin)
+
+    def __add__(self, other: Any) -> "Placeholder":
+        return Placeholder(self.origin)
+
+    __radd__ = __truediv__ = __rtruediv__ = __or__ = __ror__ = __add__
+
+    def __fspath__(self) -> str:
+        return str(INSTALLED / self.origin.partition(".")[0])
+
+    __str__ = __fspath__
+
+
+def install_placeholders() -> None:
+    """Make the placeholders available to launch files."""
+    if AbsentModules not in sys.meta_path:
+        sys.meta_path.append(AbsentModules)
+
+
+def unload_absent_modules() -> None:
+    """Remove the placeholder modules, so that they are missing for the nodes of a launch."""
+    for name in [name for name, module in sys.modules.items() if isinstance(module, _AbsentModule)]:
+        del sys.modules[name]
+
 
 # Receives the name of a process, its stream (1: standard output, 2: standard error), and lines.
 OutputCallback = Callable[[str, int, str], object]
@@ -387,7 +493,7 @@ class LaunchProgram(Process):
         if reason in self._skipped.values():
             text = f"{text.partition(': ')[0]} (see above)."
         # The location and the type of the action, as the launch file writes it.
-        name = action.origin if isinstance(action, absent_modules.Placeholder) else type(action).__name__
+        name = action.origin if isinstance(action, Placeholder) else type(action).__name__
         if action.place is not None:
             file, line = action.place
             name = f"{Path(file).name}, line {line}: {name}"
@@ -489,7 +595,7 @@ class _LaunchedProcess(Function):
 
     def run(self) -> None:
         """Run the process to its end. A missing package is an error here."""
-        absent_modules.unload_absent_modules()
+        unload_absent_modules()
         with self._prefixes.of_process(self.file.name), tolerate_missing(None):
             super().run()
 
@@ -498,7 +604,7 @@ def prepare_imports(file: Path) -> None:
     """Add the packages of a launch file's workspace to the paths, and prepare its imports."""
     source(file)
     prepend_to_path(python_path(file))
-    absent_modules.install()
+    install_placeholders()
     for name in _SET_BY_SETUP:
         os.environ.setdefault(name, "")
     # For launch files that run xacro as a subprocess: its command, and the packages of $(find …).

@@ -10,10 +10,8 @@ from course_lib.ros.notices import say
 from course_lib.ros.time import pace
 from course_lib.ros.time.driving import running_nodes, wait_for
 from course_lib.ros.time.pace import SECONDS_WITHOUT_A_PAGE
-from course_lib.tools.rqt.bag import BagView
 from course_lib.tools.rqt.graph import GraphView
-from course_lib.tools.rqt.monitors import ConsoleView, RobotMonitorView, TopicView
-from course_lib.tools.rqt.plot import PlotView
+from course_lib.tools.rqt.monitors import BagView, ConsoleView, PlotView, RobotMonitorView, TopicView
 from course_lib.tools.rqt.services import ReconfigureView, ServiceCallerView
 from course_lib.tools.rqt.view import RqtView
 

@@ -10,7 +10,7 @@ from lifecycle_msgs.msg import Transition, TransitionEvent
 from lifecycle_msgs.srv import ChangeState, GetAvailableStates, GetAvailableTransitions, GetState
 from rclpy.exceptions import RCLError
 from rclpy.lifecycle import LifecycleNode, Node, SimpleManagedEntity, State, TransitionCallbackReturn
-from rclpy.lifecycle.managed_entity import ManagedEntity
+from rclpy.lifecycle.node import ManagedEntity
 from std_msgs.msg import String
 
 from course_lib.recording import record

@@ -1,9 +1,8 @@
 import pytest
 from builtin_interfaces.msg import Duration as DurationMsg
 from builtin_interfaces.msg import Time as TimeMsg
-from rclpy.clock_type import ClockType
 from rclpy.duration import Duration, Infinite
-from rclpy.time import Time
+from rclpy.time import ClockType, Time
 
 
 def test_times_and_durations_can_be_added() -> None:

@@ -8,7 +8,7 @@ from course_lib.errors import CourseError
 from course_lib.recording import record, write_bag
 from course_lib.ros.graph.graph import Graph
 from course_lib.ros.time.driving import spin_for
-from course_lib.tools.rqt.bag import BagView
+from course_lib.tools.rqt.monitors import BagView
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from rclpy.node import Node
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import Graph
 from course_lib.ros.time.driving import spin_for
-from course_lib.tools.rqt.plot import PlotView, parse
+from course_lib.tools.rqt.monitors import PlotView, parse
 
 TOPICS = {
     "/arm/joint_states": ["sensor_msgs/msg/JointState"],

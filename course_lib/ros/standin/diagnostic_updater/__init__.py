@@ -1,2 +1,1 @@
 from diagnostic_updater._diagnostic_updater import *  # noqa: F403  # as ROS's own does
-from diagnostic_updater._update_functions import *  # noqa: F403

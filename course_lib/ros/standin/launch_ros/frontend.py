@@ -5,21 +5,24 @@ from typing import Any
 from launch.entities import LaunchContext, text_of
 from launch.frontend.element import (
     ELEMENTS,
+    SUBSTITUTIONS,
     Attribute,
     Element,
+    Form,
+    Parts,
     actions,
     built,
     command_line,
     mapping,
     of,
     pairs,
+    parse_substitution,
     several,
     text,
     word,
 )
 from launch.frontend.elements import PROCESS
 from launch.frontend.entity import Entity
-from launch.frontend.grammar import SUBSTITUTIONS, Form, Parts, parse_substitution
 from launch.substitutions import TextSubstitution
 
 from launch_ros import actions as ros

@@ -10,8 +10,8 @@ from course_lib.ros.messages import deserialize
 from course_lib.ros.mistakes import Mistake, marked
 from course_lib.ros.time.time_lock import DeadlockError, time_lock
 from course_lib.ros.tracebacks import named_when_interrupted
-from rclpy.constants import S_TO_NS
 from rclpy.context import Context
+from rclpy.duration import S_TO_NS
 from rclpy.executors import wait_until
 from rclpy.impl.node_handle import NodeHandle
 from rclpy.service import ServiceEnd

@@ -1,11 +1,12 @@
-"""Durations."""
+"""Durations, and the number of nanoseconds in a second."""
 
 from functools import total_ordering
 from typing import NoReturn, SupportsIndex
 
 import builtin_interfaces.msg
 
-from rclpy.constants import S_TO_NS
+S_TO_NS = 1_000_000_000  # [ns] / [s]
+
 
 # ROS stores durations as signed 64-bit nanoseconds.
 _LIMIT = 2**63

@@ -24,9 +24,8 @@ from course_lib.ros.time.time_lock import time_lock
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
-from rclpy.constants import S_TO_NS
 from rclpy.context import Context, Contexts, get_default_context
-from rclpy.duration import Duration
+from rclpy.duration import S_TO_NS, Duration
 from rclpy.event_handler import Deadline, EventCallbacks, PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.exceptions import (
     InvalidParameterValueException,
@@ -57,9 +56,8 @@ from rclpy.impl.node_handle import GuardCondition, NodeHandle, NodesById, enter_
 from rclpy.impl.parameter_store import On, ParameterStore, Post, Pre
 from rclpy.impl.rcutils_logger import RcutilsLogger, Rosout
 from rclpy.logging import get_logger
-from rclpy.logging_service import LoggingService
 from rclpy.parameter import Parameter
-from rclpy.parameter_service import ParameterService
+from rclpy.parameter_service import LoggingService, ParameterService, TypeDescriptionService
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events, qos_profile_services_default
 from rclpy.qos_overriding_options import Declares, QoSOverridingOptions, overridden
@@ -67,7 +65,6 @@ from rclpy.service import Service
 from rclpy.subscription import MessageInfo, Subscription
 from rclpy.time_source import TimeSource
 from rclpy.timer import Rate, Timer
-from rclpy.type_description_service import TypeDescriptionService
 
 # Interval between checks whether a node exists, as in rclpy [s].
 _LOOK = 0.1

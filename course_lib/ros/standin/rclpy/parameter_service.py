@@ -1,12 +1,30 @@
-"""The services with which other nodes read and change a node's parameters."""
+"""The services that each node offers: its parameters, the log levels of its process, and its types."""
 
+import re
 from typing import Any
 
 from rcl_interfaces import srv
-from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.msg import (
+    LoggerLevel,
+    ParameterDescriptor,
+    ParameterType,
+    SetLoggerLevelsResult,
+    SetParametersResult,
+)
+from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
+from type_description_interfaces.msg import Field, FieldType, IndividualTypeDescription, TypeSource
+from type_description_interfaces.srv import GetTypeDescription
 
+from course_lib.ros.messages.definitions import (
+    EVENT_PART,
+    describe_type,
+    field_definitions,
+    type_hash,
+    typestore,
+)
 from rclpy.exceptions import ParameterNotDeclaredException, ParameterUninitializedException
 from rclpy.impl.node_handle import NodeInterface
+from rclpy.logging import get_logger, get_logger_level, set_logger_level
 from rclpy.parameter import Parameter
 from rclpy.qos import qos_profile_parameters
 
@@ -70,3 +88,99 @@ class ParameterService:
             return self._node.set_parameters_atomically([Parameter.from_parameter_msg(m) for m in messages])
         except ParameterNotDeclaredException as error:
             return SetParametersResult(successful=False, reason=str(error))
+
+
+class LoggingService:
+    """The services `get_logger_levels` and `set_logger_levels` of a node."""
+
+    def __init__(self, node: NodeInterface) -> None:
+        node.create_service(GetLoggerLevels, f"{node.handle.name}/get_logger_levels", self._get)
+        node.create_service(SetLoggerLevels, f"{node.handle.name}/set_logger_levels", self._set)
+
+    @staticmethod
+    def _get(
+        request: GetLoggerLevels.Request, response: GetLoggerLevels.Response
+    ) -> GetLoggerLevels.Response:
+        response.levels = [LoggerLevel(name=name, level=get_logger_level(name)) for name in request.names]
+        return response
+
+    @staticmethod
+    def _set(
+        request: SetLoggerLevels.Request, response: SetLoggerLevels.Response
+    ) -> SetLoggerLevels.Response:
+        for requested in request.levels:
+            result = SetLoggerLevelsResult(successful=True)
+            try:
+                set_logger_level(requested.name, requested.level, detailed_error=True)
+            except ValueError as error:
+                result = SetLoggerLevelsResult(successful=False, reason=str(error))
+            response.results.append(result)
+        return response
+
+
+START_TYPE_DESCRIPTION_SERVICE_PARAM = "start_type_description_service"
+_ABOUT = "If enabled, start the ~/get_type_description service."
+_HASH = re.compile(r"RIHS01_[0-9a-f]{64}")
+
+
+class TypeDescriptionService:
+    """The service `get_type_description` of a node, unless a parameter of the node disables it."""
+
+    def __init__(self, node: NodeInterface) -> None:
+        self._node = node
+        name = START_TYPE_DESCRIPTION_SERVICE_PARAM
+        if not node.has_parameter(name):
+            about = ParameterDescriptor(
+                name=name, type=ParameterType.PARAMETER_BOOL, description=_ABOUT, read_only=True
+            )
+            node.declare_parameter(name, True, about)
+        self.enabled = False
+        parameter = node.get_parameter(name)
+        if parameter.type_ is Parameter.Type.BOOL:
+            self.enabled = parameter.value
+        elif parameter.type_ is not Parameter.Type.NOT_SET:
+            reason = f"Invalid type for parameter '{name}' {parameter.type_!r} should be bool"
+            get_logger(node.handle.logger_name).error(reason)
+        if self.enabled:
+            node.create_service(GetTypeDescription, f"{node.handle.name}/get_type_description", self.__answer)
+
+    def __answer(
+        self, request: GetTypeDescription.Request, response: GetTypeDescription.Response
+    ) -> GetTypeDescription.Response:
+        """Describe the type with the requested hash.
+
+        Failure reasons are quoted from rcl/src/rcl/node.c.
+        """
+        if not _HASH.fullmatch(request.type_hash):
+            response.failure_reason = "Failed to parse type hash"
+            return response
+        name = self.__types_in_use().get(request.type_hash)
+        if name is None:
+            response.failure_reason = "Type not currently in use by this node"
+            return response
+        first, *referenced = describe_type(name).values()
+        response.type_description.type_description = _individual(first)
+        referenced.sort(key=lambda one: one["type_name"])
+        response.type_description.referenced_type_descriptions = [_individual(one) for one in referenced]
+        if request.include_type_sources:
+            for type_name in (one["type_name"] for one in (first, *referenced)):
+                # Service types and their events are not defined by a message's file.
+                if type_name in field_definitions() and not type_name.endswith(EVENT_PART):
+                    # The definition without comments and nested types.
+                    text = typestore().generate_msgdef(type_name)[0].partition("=" * 80)[0]
+                    source = TypeSource(type_name=type_name, encoding="msg", raw_file_contents=text)
+                    response.type_sources.append(source)
+        response.successful = True
+        return response
+
+    def __types_in_use(self) -> dict[str, str]:
+        """Return the types of the node's endpoints by their hashes."""
+        handle = self._node.handle
+        endpoints = (info for info in handle.graph.endpoints() if info.node == handle.id)
+        names = {info.type_name if info.service is None else info.service[1] for info in endpoints}
+        return {type_hash(name): name for name in sorted(names)}
+
+
+def _individual(description: dict[str, Any]) -> IndividualTypeDescription:
+    fields = [Field(name=one["name"], type=FieldType(**one["type"])) for one in description["fields"]]
+    return IndividualTypeDescription(type_name=description["type_name"], fields=fields)

@@ -1,13 +1,22 @@
-"""Points in time."""
+"""Points in time, and the types of clocks that they are read from."""
 
+from enum import IntEnum
 from functools import total_ordering
 from typing import NoReturn, SupportsIndex, overload
 
 import builtin_interfaces.msg
 
-from rclpy.clock_type import ClockType
-from rclpy.constants import S_TO_NS
-from rclpy.duration import Duration
+from rclpy.duration import S_TO_NS, Duration
+
+
+class ClockType(IntEnum):
+    """The type of the clock that a time was read from. In the kit all of them show robot time."""
+
+    UNINITIALIZED = 0
+    ROS_TIME = 1
+    SYSTEM_TIME = 2
+    STEADY_TIME = 3
+
 
 # ROS stores times as signed 64-bit nanoseconds.
 _LIMIT = 2**63

@@ -7,13 +7,12 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 
 from course_lib.ros.notices import say
 from rclpy.clock import Clock, ROSClock
-from rclpy.clock_type import ClockType
 from rclpy.impl.node_handle import NodeHandle, NodeInterface
 from rclpy.logging import get_logger
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
-from rclpy.time import Time
+from rclpy.time import ClockType, Time
 
 CLOCK_TOPIC = "/clock"
 USE_SIM_TIME_NAME = "use_sim_time"

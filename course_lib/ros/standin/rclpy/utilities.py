@@ -3,9 +3,9 @@
 import sys
 from collections.abc import Sequence
 
-from rclpy.constants import S_TO_NS
 from rclpy.context import Context
 from rclpy.context import get_default_context as get_default_context
+from rclpy.duration import S_TO_NS
 from rclpy.impl.arguments import without_ros
 
 RMW = "rmw_course_lib"

@@ -1,1 +1,0 @@
-"""The types of message fields, which `SLOT_TYPES` contains."""

@@ -2,13 +2,13 @@ from rosidl_runtime_py.convert import get_message_slot_types as get_message_slot
 from rosidl_runtime_py.convert import message_to_csv as message_to_csv
 from rosidl_runtime_py.convert import message_to_ordereddict as message_to_ordereddict
 from rosidl_runtime_py.convert import message_to_yaml as message_to_yaml
+from rosidl_runtime_py.convert import set_message_fields as set_message_fields
 from rosidl_runtime_py.get_interfaces import get_action_interfaces as get_action_interfaces
 from rosidl_runtime_py.get_interfaces import get_interface_packages as get_interface_packages
 from rosidl_runtime_py.get_interfaces import get_interface_path as get_interface_path
 from rosidl_runtime_py.get_interfaces import get_interfaces as get_interfaces
 from rosidl_runtime_py.get_interfaces import get_message_interfaces as get_message_interfaces
 from rosidl_runtime_py.get_interfaces import get_service_interfaces as get_service_interfaces
-from rosidl_runtime_py.import_message import (
+from rosidl_runtime_py.utilities import (
     import_message_from_namespaced_type as import_message_from_namespaced_type,
 )
-from rosidl_runtime_py.set_message import set_message_fields as set_message_fields

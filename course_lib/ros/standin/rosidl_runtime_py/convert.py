@@ -1,9 +1,10 @@
-"""Conversions of messages to YAML, CSV and dictionaries."""
+"""Conversions of messages to YAML, CSV and dictionaries, and back from dictionaries."""
 
 from collections import OrderedDict
+from collections.abc import Callable
 from typing import Any
 
-from course_lib.ros.messages.conversions import PrintOptions, to_csv, to_dict, to_yaml
+from course_lib.ros.messages.conversions import PrintOptions, set_fields, to_csv, to_dict, to_yaml
 
 
 def message_to_yaml(
@@ -42,3 +43,19 @@ def _ordered(value: Any) -> Any:
     if isinstance(value, dict):
         return OrderedDict((name, _ordered(item)) for name, item in value.items())
     return [_ordered(item) for item in value] if isinstance(value, list) else value
+
+
+def set_message_fields(
+    msg: Any,
+    values: dict[str, Any],
+    expand_header_auto: bool = False,
+    expand_time_now: bool = False,
+) -> list[Callable[[Any], None]]:
+    """Set fields by name.
+
+    Raises AttributeError for an unknown field and TypeError for a wrong value.
+
+    Returns:
+        Functions that set the headers given as "auto" and the times given as "now".
+    """
+    return set_fields(msg, values, header_auto=expand_header_auto, time_now=expand_time_now)

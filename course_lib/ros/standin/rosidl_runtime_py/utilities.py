@@ -1,7 +1,9 @@
-"""Lookup of interface classes by name."""
+"""Lookup of interface classes, by name or by the type of a field."""
 
 from importlib import import_module
 from typing import Any
+
+from rosidl_parser.definition import NamespacedType
 
 
 def get_interface(identifier: str) -> Any:
@@ -54,3 +56,12 @@ def _imported(identifier: str, folder: str | None) -> Any:
     if name.endswith("_FeedbackMessage"):
         return getattr(module, name.removesuffix("_FeedbackMessage")).Impl.FeedbackMessage
     return getattr(module, name)
+
+
+def import_message_from_namespaced_type(message_type: NamespacedType) -> Any:
+    """Return the class of the messages in a field, by its type in `SLOT_TYPES`."""
+    module = import_module(".".join(message_type.namespaces))
+    if message_type.name.endswith("_FeedbackMessage"):
+        action = message_type.name.removesuffix("_FeedbackMessage")
+        return getattr(module, action).Impl.FeedbackMessage
+    return getattr(module, message_type.name)

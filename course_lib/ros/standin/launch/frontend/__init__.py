@@ -2,4 +2,4 @@
 
 from launch.frontend.element import InvalidFrontendLaunchFileError as InvalidFrontendLaunchFileError
 from launch.frontend.element import description_of as description_of
-from launch.frontend.grammar import parse_substitution as parse_substitution
+from launch.frontend.element import parse_substitution as parse_substitution

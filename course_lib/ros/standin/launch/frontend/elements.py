@@ -5,8 +5,10 @@ from launch.entities import LaunchContext, text_of
 from launch.entities import SomeSubstitutionsType as Some
 from launch.frontend.element import (
     ELEMENTS,
+    SUBSTITUTIONS,
     Attribute,
     Element,
+    Form,
     command_line,
     launch_arguments,
     mapping,
@@ -17,7 +19,6 @@ from launch.frontend.element import (
     word,
 )
 from launch.frontend.element import actions as inner
-from launch.frontend.grammar import SUBSTITUTIONS, Form
 
 _NAME = Attribute("name", text, needed=True)
 _VALUE = Attribute("value", text, needed=True)

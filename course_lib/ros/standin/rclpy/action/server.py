@@ -12,7 +12,7 @@ from unique_identifier_msgs.msg import UUID
 
 from course_lib.ros.mistakes import Mistake, marked
 from rclpy.callback_groups import CallbackGroup
-from rclpy.constants import S_TO_NS
+from rclpy.duration import S_TO_NS
 from rclpy.exceptions import RCLError
 from rclpy.impl.endpoint import require_type
 from rclpy.impl.names import require_action_name

@@ -1,9 +1,10 @@
-"""Lifecycle nodes, whose state other nodes can query and change."""
+"""Lifecycle nodes, whose state other nodes can query and change, and the entities that they manage."""
 
 from collections.abc import Callable
-from functools import partial
+from enum import Enum
+from functools import partial, wraps
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, NamedTuple, Unpack, cast
+from typing import TYPE_CHECKING, Any, Concatenate, NamedTuple, ParamSpec, TypeVar, Unpack, cast, overload
 
 from lifecycle_msgs import srv
 from lifecycle_msgs.msg import State, Transition, TransitionDescription, TransitionEvent
@@ -13,13 +14,135 @@ from course_lib.ros.tracebacks import line_of_traceback
 from rclpy.callback_groups import CallbackGroup
 from rclpy.exceptions import RCLError
 from rclpy.impl import private_names
-from rclpy.lifecycle.managed_entity import LifecycleState, ManagedEntity, TransitionCallbackReturn
-from rclpy.lifecycle.publisher import LifecyclePublisher
+from rclpy.impl.endpoint import MsgT
 from rclpy.logging import get_logger
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 
 if TYPE_CHECKING:
     from rclpy.node import NodeOptions
+
+SelfT = TypeVar("SelfT", bound="SimpleManagedEntity")
+P = ParamSpec("P")
+Method = Callable[Concatenate[SelfT, P], Any]
+
+
+class LifecycleState(NamedTuple):
+    """A lifecycle state: its label, and its id in lifecycle_msgs/msg/State."""
+
+    label: str
+    state_id: int
+
+
+class TransitionCallbackReturnType(Enum):
+    """The result of a transition callback. Programs import it as TransitionCallbackReturn."""
+
+    SUCCESS = Transition.TRANSITION_CALLBACK_SUCCESS
+    FAILURE = Transition.TRANSITION_CALLBACK_FAILURE
+    ERROR = Transition.TRANSITION_CALLBACK_ERROR
+
+    def to_label(self) -> str:
+        """Return the label of the transition that follows this result."""
+        return f"transition_{self.name.lower()}"
+
+
+TransitionCallbackReturn = TransitionCallbackReturnType
+
+
+class ManagedEntity:
+    """An entity with a callback for each transition. A callback receives the previous state."""
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Handle the transition to inactive."""
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Handle the transition back to unconfigured."""
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Handle the transition to finalized."""
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Handle the transition to active."""
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Handle the transition back to inactive."""
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Handle an error that another callback raised or returned."""
+        return TransitionCallbackReturn.SUCCESS
+
+
+class SimpleManagedEntity(ManagedEntity):
+    """An entity that is enabled while its node is active."""
+
+    def __init__(self) -> None:
+        self._enabled = False
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Enable the entity."""
+        self._enabled = True
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Disable the entity."""
+        self._enabled = False
+        return TransitionCallbackReturn.SUCCESS
+
+    @property
+    def is_activated(self) -> bool:
+        """True while the entity is enabled."""
+        return self._enabled
+
+    @overload
+    @staticmethod
+    def when_enabled(
+        wrapped: None = None, *, when_not_enabled: Callable[[], object] | None = None
+    ) -> Callable[[Method[SelfT, P]], Callable[Concatenate[SelfT, P], None]]: ...
+
+    @overload
+    @staticmethod
+    def when_enabled(
+        wrapped: Method[SelfT, P], *, when_not_enabled: Callable[[], object] | None = None
+    ) -> Callable[Concatenate[SelfT, P], None]: ...
+
+    @staticmethod
+    def when_enabled(
+        wrapped: Method[SelfT, P] | None = None,
+        *,
+        when_not_enabled: Callable[[], object] | None = None,
+    ) -> Any:
+        """Decorate a method so that it runs only while enabled; otherwise `when_not_enabled` is called."""
+
+        def decorated(method: Method[SelfT, P]) -> Any:
+            @wraps(method)
+            def call(self: SelfT, *args: P.args, **kwargs: P.kwargs) -> None:
+                if self._enabled:
+                    method(self, *args, **kwargs)
+                elif when_not_enabled is not None:
+                    when_not_enabled()
+
+            return call
+
+        return decorated if wrapped is None else decorated(wrapped)
+
+
+class LifecyclePublisher(SimpleManagedEntity, Publisher[MsgT]):
+    """A publisher that is active while its node is; created by `create_lifecycle_publisher`."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        SimpleManagedEntity.__init__(self)
+        Publisher.__init__(self, *args, **kwargs)
+
+    @SimpleManagedEntity.when_enabled
+    def publish(self, msg: MsgT | bytes) -> None:
+        """Publish a message or serialized bytes. Do nothing while the node is not active."""
+        Publisher.publish(self, msg)
+
 
 STATES = {
     "unknown": State.PRIMARY_STATE_UNKNOWN,
