@@ -29,6 +29,7 @@ import course_lib
 from course_lib.course.exercise import exercise_from, notebook_text, read_notebook
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
+from course_lib.grading import store
 from course_lib.grading.jail.filters import Need
 from course_lib.grading.judge import executors, flow, judge
 from course_lib.grading.marks import GradebookRow, MarkedResult, mark, read_marks, stored_result
@@ -45,18 +46,6 @@ from course_lib.grading.reports.table import (
 )
 from course_lib.grading.reports.tables import review_reasons, write_check_times, write_tables
 from course_lib.grading.run.run import Job, StoredRun, plan_scenarios, prepare, run, store_evidence, unpack
-from course_lib.grading.store import (
-    Course,
-    RecordsWriteError,
-    catalog_of,
-    digest_of,
-    evidence_path,
-    kit_digest,
-    lock_folder,
-    marks_path,
-    this_course,
-    writing,
-)
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.submissions.copies import compare_class
 from course_lib.grading.submissions.notebook import parse_notebook
@@ -97,12 +86,12 @@ class Trial:
 
         Equal inputs on the same machine have equal names.
         """
-        return f"{self.job.key}-{digest_of([machine, self.job.need])[:16]}"
+        return f"{self.job.key}-{store.digest_of([machine, self.job.need])[:16]}"
 
 
 def run_preflight(
     exercises: Iterable[str],
-    course: Course,
+    course: store.Course,
     out: Path,
     runner: Executor,
     judge_executor: Executor,
@@ -157,12 +146,12 @@ def run_preflight(
 
 def installed_kit() -> tuple[str, str]:
     """Return the path and the hash of this process's kit."""
-    return str(Path(course_lib.__file__).parent), kit_digest()
+    return str(Path(course_lib.__file__).parent), store.kit_digest()
 
 
-def judge_trial(trial: Trial, course: Course, evidence_file: Path) -> str:
+def judge_trial(trial: Trial, course: store.Course, evidence_file: Path) -> str:
     """Judge stored evidence with the current checks, and return an error message if the mark is wrong."""
-    catalog = catalog_of(course)
+    catalog = store.catalog_of(course)
     tasks = catalog.of_week(trial.exercise.split("_")[0])
     evidence = unpack(evidence_file.read_bytes(), plan_scenarios(tasks, catalog, hidden=True))
     judgement = judge(evidence, tasks, catalog)
@@ -178,8 +167,8 @@ def judge_trial(trial: Trial, course: Course, evidence_file: Path) -> str:
     return ". ".join([mark, *judgement.cell_errors[:is_solution], *summaries])
 
 
-def _trials(exercise: str, solution: Path, course: Course) -> Iterator[Trial]:
-    catalog = catalog_of(course)
+def _trials(exercise: str, solution: Path, course: store.Course) -> Iterator[Trial]:
+    catalog = store.catalog_of(course)
     tasks = catalog.of_week(exercise.split("_")[0])
     steps = tuple(step.without_checks() for step in plan_scenarios(tasks, catalog, hidden=True))
     stub = course.exercises / f"{exercise}.ipynb"
@@ -218,7 +207,7 @@ def _run(trials: Iterable[Trial], out: Path, runner: Executor) -> dict[Trial, Pa
     started = [(path, runner.submit(run, t.job)) for t, path in evidence_paths.items() if not path.is_file()]
     for path, future in started:
         evidence = future.result().evidence
-        with writing(out):
+        with store.writing(out):
             write_atomically(path, evidence)
     return evidence_paths
 
@@ -238,7 +227,7 @@ def _summarize(result: TaskResult, *, is_solution: bool) -> str:
     return "; ".join([f"{result.task}: {result.score:g} of {result.points:g}", *failures, *result.errors[:1]])
 
 
-def _failure_message(wrong: Mapping[Trial, str], course: Course) -> str:
+def _failure_message(wrong: Mapping[Trial, str], course: store.Course) -> str:
     kit, first = Path(course_lib.__file__).parent, next(iter(wrong)).path
     places = f"The checks are in {course.exercises} and {course.solutions}, the kit is {kit}"
     also = [f"Also: {', '.join(str(trial.path) for trial in wrong if trial.path != first)}"] * (
@@ -265,7 +254,7 @@ def grade(
     resume: bool = False,
     rejudge: bool = False,
     need: Need = "partial",
-    course: Course | None = None,
+    course: store.Course | None = None,
 ) -> bool:
     """Grade a folder of submissions and return whether each submission could be graded.
 
@@ -284,12 +273,12 @@ def grade(
         RecordsWriteError: `out` can't be written.
         CourseError: Nothing can be graded.
     """
-    course = course or this_course()
+    course = course or store.this_course()
     course = replace(course, sandbox=need, handed_in=(submissions, out))
     found_submissions = _find(submissions, course)
     line = plan_attempts(found_submissions, course, only)
-    with lock_folder(out):
-        with writing(out):
+    with store.lock_folder(out):
+        with store.writing(out):
             store_places(out, submissions, found_submissions)
         work = _find_pending(line, course, out, resume=resume, rejudge=rejudge)
         rows = _grade_with_progress(work, jobs or os.cpu_count() or 1, dask)
@@ -312,15 +301,15 @@ class Pending:
 
     line: Sequence[Attempts]
     missing: Mapping[str, Job]
-    course: Course
+    course: store.Course
     out: Path
     resume: bool
     rejudge: bool
 
 
-def _find(submissions: Path, course: Course) -> list[Submission]:
+def _find(submissions: Path, course: store.Course) -> list[Submission]:
     """Find all submissions; print a note about the time zone if the course does not set one."""
-    settings = catalog_of(course).course
+    settings = store.catalog_of(course).course
     if settings.zone_note:
         say(settings.zone_note)
 
@@ -342,14 +331,15 @@ def _find(submissions: Path, course: Course) -> list[Submission]:
 
 
 def _find_pending(
-    line: Sequence[Attempts], course: Course, out: Path, *, resume: bool, rejudge: bool
+    line: Sequence[Attempts], course: store.Course, out: Path, *, resume: bool, rejudge: bool
 ) -> Pending:
     """Find the missing records, and print the submissions that --rejudge cannot judge."""
     if resume:
         line = [one for one in line if not _is_done(one, out)]
     jobs = {key: job for one in line for key, job in one.jobs.items()}
-    reuse = resume or rejudge
-    missing = {key: job for key, job in jobs.items() if not (reuse and evidence_path(out, key).is_file())}
+    missing = dict(jobs)
+    if resume or rejudge:
+        missing = {k: job for k, job in jobs.items() if not store.evidence_path(out, k).is_file()}
     if rejudge:
         for one in (one for one in line if one.jobs.keys() & missing.keys()):
             say(f"{one.student}  {one.exercise}  no evidence for these inputs: grade it without --rejudge")
@@ -423,7 +413,7 @@ def _grade_all(work: Pending, jobs: int, dask: str | None) -> Iterator[Gradebook
         for one, future in flow(judge_executor, judge_mark_report, calls, window):
             try:
                 yield future.result()
-            except RecordsWriteError:
+            except store.RecordsWriteError:
                 raise
             except Exception as error:
                 # The judging process died, so the records are written here, with the reason.
@@ -446,7 +436,7 @@ def _await_evidence(
     for key, future in ran:
         try:
             store_evidence(work.out, key, future.result())
-        except RecordsWriteError:
+        except store.RecordsWriteError:
             raise
         except Exception as error:
             # An error of the kit in one submission must not stop the class.
@@ -458,7 +448,7 @@ def _await_evidence(
 
 
 def judge_mark_report(
-    attempts: Attempts, faults: Faults, course: Course, out: Path, resume: bool = False
+    attempts: Attempts, faults: Faults, course: store.Course, out: Path, resume: bool = False
 ) -> GradebookRow:
     """Judge, mark and report one student's attempts, whose evidence is stored.
 
@@ -474,7 +464,7 @@ def judge_mark_report(
     Raises:
         RecordsWriteError: The folder can't be written.
     """
-    stored, catalog = _read_stored(attempts, out) if resume else None, catalog_of(course)
+    stored, catalog = _read_stored(attempts, out) if resume else None, store.catalog_of(course)
     previous = stored if stored and stored.digest == attempts.digest else None
     fresh: dict[str, Judgement | Fault | None] = {}
     result = previous
@@ -492,8 +482,8 @@ def judge_mark_report(
             fresh[one.key] if one.key in fresh else known_judgements[one.key] for one in attempts.submissions
         ]
         result = mark(attempts.submissions, judgements, catalog.course, attempts.digest, attempts.rules)
-    marks = read_marks(marks_path(out, attempts.student, attempts.exercise))
-    with writing(out):
+    marks = read_marks(store.marks_path(out, attempts.student, attempts.exercise))
+    with store.writing(out):
         for key, judgement in fresh.items():
             if isinstance(judgement, Judgement):
                 write_check_times(out, key, judgement)
@@ -513,7 +503,7 @@ def judge_mark_report(
 def _judge_one(
     submission: Submission,
     faults: Faults,
-    course: Course,
+    course: store.Course,
     out: Path,
 ) -> Judgement | Fault | None:
     """Judge stored evidence.
@@ -523,9 +513,9 @@ def _judge_one(
     if submission.key in faults or not submission.key:
         return faults.get(submission.key)
     try:
-        catalog = catalog_of(course)
+        catalog = store.catalog_of(course)
         tasks = catalog.of_week(submission.exercise.split("_")[0])
-        packed_evidence = evidence_path(out, submission.key).read_bytes()
+        packed_evidence = store.evidence_path(out, submission.key).read_bytes()
         return judge(unpack(packed_evidence, plan_scenarios(tasks, catalog, hidden=True)), tasks, catalog)
     except Exception as error:
         # Checks do not raise here, so this is an error of the kit, not of the student.
@@ -538,14 +528,14 @@ def _finish(
     found_submissions: Sequence[Submission],
 ) -> None:
     """Compare the submissions of the class, write the tables of results, and print a summary."""
-    out, catalog = work.out, catalog_of(work.course)
+    out, catalog = work.out, store.catalog_of(work.course)
     zone = catalog.course.zone
-    with writing(out):
+    with store.writing(out):
         compare_class(found_submissions, out, work.course.exercises, zone, catalog.tasks.values())
     for last in (one.submissions[-1] for one in work.line):
         for note in last.notes:
             say(f"{last.student}  {last.exercise}  note: {note}")
-    with writing(out):
+    with store.writing(out):
         marked_results = write_tables(out, zone)
     results = [one.result for one in marked_results]
     for lines in (task_lines, broken_check_lines, lost_report_lines):

@@ -26,27 +26,9 @@ from typing import Any
 import numpy as np
 
 from course_lib.errors import join_words
+from course_lib.ros import near_names
 from course_lib.ros.messages.definitions import definition, type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
-from course_lib.ros.near_names import (
-    attribute_hint,
-    call_with_fields,
-    constructor_hint,
-    frame_of,
-    import_from,
-    import_hint,
-    is_angle,
-    is_student_class,
-    key_hint,
-    keyword_hint,
-    line_of_student,
-    module_hint,
-    name_hint,
-    near_field,
-    parameter_hint,
-    surplus_hint,
-    synonyms,
-)
 from course_lib.ros.programs.packages import unavailable_reason
 
 # A pattern for the line at which the older parser stops, and the newer rule that allows it.
@@ -183,20 +165,22 @@ def hint(error: BaseException) -> str:
     text = _text(error)
     if isinstance(error, SyntaxError):
         return syntax_hint(error)
-    if isinstance(error, NameError) and (found := _missing_self_hint(error, text) or name_hint(error)):
+    if isinstance(error, NameError) and (
+        found := _missing_self_hint(error, text) or near_names.name_hint(error)
+    ):
         return found
     if isinstance(error, ModuleNotFoundError):
-        found = unavailable_reason((error.name or "").split(".")[0]) or module_hint(error)
+        found = unavailable_reason((error.name or "").split(".")[0]) or near_names.module_hint(error)
         if found:
             return found
     if (
-        found := key_hint(error)
+        found := near_names.key_hint(error)
         or _decimal_comma_hint(error, text)
         or _rclpy_attribute_hint(error)
-        or parameter_hint(error)
-        or keyword_hint(error)
-        or surplus_hint(error)
-        or constructor_hint(error)
+        or near_names.parameter_hint(error)
+        or near_names.keyword_hint(error)
+        or near_names.surplus_hint(error)
+        or near_names.constructor_hint(error)
         or _super_hint(error, text)
         or _callback_hint(error)
         or _parameter_callback_hint(error, text)
@@ -218,23 +202,23 @@ def hint(error: BaseException) -> str:
         package, kind = interface_package
         return f"put the folder {package} with its {kind} beside the program, or into the workspace's src."
     if isinstance(error, ImportError):
-        return import_hint(error)
+        return near_names.import_hint(error)
     is_of_message = not isinstance(error, AttributeError) or _is_message(error.obj)
     if is_of_message and (types := _types_in_error(text)):
         return _field_hint(types, text.rpartition("attribute '")[2].partition("'")[0])
     if isinstance(error, AttributeError):
-        frame = frame_of(error)
+        frame = near_names.frame_of(error)
         outer = frame.f_globals.get(error.name or "") if frame is not None else None
         if error.name and _has_parameter(error.obj, error.name):
             return f"{error.name} is a parameter: read it with `self.get_parameter('{error.name}').value`."
         # A function with self is a method with too little indentation, which has a hint of its own.
         is_function = isinstance(outer, FunctionType) and outer.__code__.co_varnames[:1] != ("self",)
-        if is_student_class(type(error.obj)) and is_function:
+        if near_names.is_student_class(type(error.obj)) and is_function:
             return f"{error.name} is a function outside of the class: call it without `self.`"
-        if similar := attribute_hint(error):
+        if similar := near_names.attribute_hint(error):
             return similar
         attribute = re.match(r"'(\w+)' object has no attribute '(\w+)'$", text)
-        if attribute and is_student_class(type(error.obj)):
+        if attribute and near_names.is_student_class(type(error.obj)):
             return f"set `self.{attribute[2]}` in {attribute[1]}.__init__, spelled the same."
     return ""
 
@@ -244,7 +228,7 @@ def _field_hint(types: Sequence[str], attribute: str) -> str:
     definitions = [definition(name) for name in types]
     names = [n for one in definitions for n in (*one.constants, *(field.name for field in one.fields))]
     show = f"`%ros2 interface show {types[0]}` lists its fields."
-    if is_angle(attribute) and {"x", "y", "z", "w"} <= set(names):
+    if near_names.is_angle(attribute) and {"x", "y", "z", "w"} <= set(names):
         turn = "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`"
         back = "back it is `yaw = 2 * atan2(q.z, q.w)`"
         return f"a quaternion does not contain an angle: a rotation by yaw about z is {turn}, and {back}."
@@ -256,21 +240,26 @@ def _field_hint(types: Sequence[str], attribute: str) -> str:
     if attribute == "to_msg":
         return f"this is a message already: leave out .to_msg(). {show}"
     constants = [name for one in definitions for name in one.constants]
-    if attribute.isupper() and (similar := near_field(attribute, constants)):
+    if attribute.isupper() and (similar := near_names.near_field(attribute, constants)):
         return f"did you mean `{similar}`? {show}"
-    direct = [name for name in synonyms(attribute) if name in names]
+    direct = [name for name in near_names.synonyms(attribute) if name in names]
     inner = [
-        path for word in (attribute, *synonyms(attribute)) for name in types for path in _paths_to(name, word)
+        path
+        for word in (attribute, *near_names.synonyms(attribute))
+        for name in types
+        for path in _paths_to(name, word)
     ]
     exact = [path for path in inner if path.endswith(f".{attribute}")]
-    similar = next(iter([*exact, *direct, *inner]), "") or near_field(attribute, names)
+    similar = next(iter([*exact, *direct, *inner]), "") or near_names.near_field(attribute, names)
     return f"did you mean `{similar}`? {show}" if similar else show
 
 
 def _has_parameter(thing: object, name: str) -> bool:
     """Return whether an object is a node of the student with a parameter of this name."""
     has_parameter = getattr(thing, "has_parameter", None)
-    return is_student_class(type(thing)) and callable(has_parameter) and has_parameter(name) is True
+    return (
+        near_names.is_student_class(type(thing)) and callable(has_parameter) and has_parameter(name) is True
+    )
 
 
 def _is_message(thing: object) -> bool:
@@ -287,7 +276,7 @@ def _decimal_comma_hint(error: BaseException, text: str) -> str:
         r"takes (exactly one|1 positional) argument.*2 (were )?given|attribute 'add_entity'|'tuple'"
         "|too many values to unpack|is not a node"
     )
-    return decimal_comma_hint(line_of_student(error)) if re.search(surplus, text) else ""
+    return decimal_comma_hint(near_names.line_of_student(error)) if re.search(surplus, text) else ""
 
 
 def _rclpy_attribute_hint(error: BaseException) -> str:
@@ -300,13 +289,13 @@ def _rclpy_attribute_hint(error: BaseException) -> str:
     thing, name = error.obj, error.name
     if isinstance(thing, ModuleType):
         owners = [thing.__name__]
-        if line := import_from(thing.__name__, name):
+        if line := near_names.import_from(thing.__name__, name):
             return f"import it: `{line}`."
     else:
         kinds = type.mro(thing) if isinstance(thing, type) else type(thing).__mro__
         owners = [f"{one.__module__}.{one.__qualname__}" for one in kinds]
         # A student's node may have a publisher of its own, which is more likely to be meant.
-        if attribute_hint(error).startswith("did you mean `self."):
+        if near_names.attribute_hint(error).startswith("did you mean `self."):
             return ""
     for owner in owners:
         for one in _HINTS[_OF_RCLPY] if owner.startswith("rclpy") else ():
@@ -320,7 +309,7 @@ def _value_hint(error: BaseException, text: str) -> str:
 
     ROS's error text states the type that the field needs, but not the value.
     """
-    frame = frame_of(error)
+    frame = near_names.frame_of(error)
     match = re.search(r"field must be (?:of type|a sub message of type) '(\w+)'", text)
     if frame is None or match is None or "value" not in frame.f_locals:
         return ""
@@ -416,8 +405,8 @@ def _table_hint(error: BaseException, text: str) -> str:
         match = re.search(one.text, text)
         if match and one.mistake in (None, mistake_of(error)):
             groups = (match[0], *match.groups())
-            calls = [call_with_fields(group or "") or f"{group}()" for group in groups]
-            frame = frame_of(error)
+            calls = [near_names.call_with_fields(group or "") or f"{group}()" for group in groups]
+            frame = near_names.frame_of(error)
             # The name of the callback that rclpy rejects, or an example of one.
             name = getattr(frame.f_locals.get("callback") if frame else None, "__name__", "")
             method = name if isinstance(name, str) and name.isidentifier() else "heard"
@@ -429,13 +418,13 @@ def _super_hint(error: BaseException, text: str) -> str:
     """Return the hint for class names in `super(…)` that skip the class Node, or ""."""
     if "object.__init__() takes exactly one argument" not in text:
         return ""
-    is_named = re.search(r"\bsuper\(\s*\w+\s*,", line_of_student(error))
+    is_named = re.search(r"\bsuper\(\s*\w+\s*,", near_names.line_of_student(error))
     return "write `super().__init__('a_name')`, with nothing in super( )." if is_named else ""
 
 
 def _callback_hint(error: BaseException) -> str:
     """Return the hint for a callback that is given as a string, or as another value, or ""."""
-    frame = frame_of(error)
+    frame = near_names.frame_of(error)
     callback = frame.f_locals.get("callback") if frame is not None else None
     is_called = re.match(r"'\w+' object is not callable", _text(error))
     if frame is not None and callback is None and is_called:
@@ -455,7 +444,7 @@ def _callback_hint(error: BaseException) -> str:
 
 def _parameter_callback_hint(error: BaseException, text: str) -> str:
     """Return the hint for a parameter callback with a wrong signature, or ""."""
-    frame = frame_of(error)
+    frame = near_names.frame_of(error)
     match = re.match(r"(?:\w+\.)*(\w+)\(\) (?:missing|takes) .*positional argument", text)
     if frame is None or match is None or not isinstance(error, TypeError):
         return ""
@@ -466,7 +455,7 @@ def _parameter_callback_hint(error: BaseException, text: str) -> str:
 
 def _shadowed_hint(error: BaseException, text: str) -> str:
     """Return the hint for a function, method or class that a student's variable hides, or ""."""
-    frame, match = frame_of(error), re.match(r"'(\w+)' object is not callable", text)
+    frame, match = near_names.frame_of(error), re.match(r"'(\w+)' object is not callable", text)
     if frame is None or match is None or not isinstance(error, TypeError):
         return ""
     variables = {**frame.f_globals, **frame.f_locals}
@@ -483,7 +472,7 @@ def _shadowed_hint(error: BaseException, text: str) -> str:
                 "name for the object, and import the class again."
             )
     owner = frame.f_locals.get("self")
-    for name in re.findall(r"\bself\.(\w+)\(", line_of_student(error)):
+    for name in re.findall(r"\bself\.(\w+)\(", near_names.line_of_student(error)):
         value = getattr(owner, "__dict__", {}).get(name)
         if type(value).__name__ == match[1] and callable(getattr(type(owner), name, None)):
             return f"self.{name} = … hides the method {name}: choose another name for the attribute."
@@ -506,7 +495,7 @@ def _loop_hint(error: BaseException, text: str) -> str:
     match = re.match(r"'(\w+)' object is not iterable", text)
     if match is None or not isinstance(error, TypeError):
         return ""
-    frame, trace = frame_of(error), error.__traceback__
+    frame, trace = near_names.frame_of(error), error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next
     if trace is not None and frame is not None:
@@ -550,7 +539,7 @@ def _order_hint(error: BaseException, text: str) -> str:
 
 def _executor_hint(error: BaseException) -> str:
     """Return the hint for a MultiThreadedExecutor whose number of threads is a node, or ""."""
-    frame = frame_of(error)
+    frame = near_names.frame_of(error)
     if frame is None or not hasattr(frame.f_locals.get("num_threads"), "create_publisher"):
         return ""
     return "the argument is the number of threads. Add the node: `executor.add_node(node)`."
@@ -592,7 +581,7 @@ def _operand_hint(error: BaseException, text: str) -> str:
 
 def _request_hint(error: BaseException) -> str:
     """Return the hint for a service client that is called with a value other than a request, or ""."""
-    frame = frame_of(error)
+    frame = near_names.frame_of(error)
     service = getattr(frame.f_locals.get("self"), "srv_type", None) if frame is not None else None
     if mistake_of(error) is not Mistake.REQUEST or service is None:
         return ""
@@ -612,7 +601,7 @@ def _list_hint(error: BaseException, text: str) -> str:
 
     ROS's error text does not contain the passed value.
     """
-    frame = frame_of(error)
+    frame = near_names.frame_of(error)
     if frame is None or "value" not in frame.f_locals:
         return ""
     value = frame.f_locals["value"]
@@ -663,7 +652,7 @@ def _pair_hint(error: BaseException, text: str) -> str:
                 return "items() gives pairs, a key and a value: write two names between for and in."
     if not isinstance(error, ValueError) or "values to unpack" not in text:
         return ""
-    line = line_of_student(error)
+    line = near_names.line_of_student(error)
     if re.search(r"\bfor \w+(, \w+)+ in enumerate\(", line):
         return (
             "enumerate gives pairs, an index and an item. The names for the item's parts are in "
@@ -688,7 +677,7 @@ def _program_arguments_hint(error: BaseException) -> str:
     if not isinstance(error, IndexError | ValueError):
         return ""
     is_short = isinstance(error, IndexError) or "not enough values to unpack" in str(error)
-    if not is_short or "sys.argv" not in line_of_student(error):
+    if not is_short or "sys.argv" not in near_names.line_of_student(error):
         return ""
     return (
         "the program needs arguments: course run FILE -- VALUES, or in a launch file, for its "
@@ -698,7 +687,7 @@ def _program_arguments_hint(error: BaseException) -> str:
 
 def _missing_self_hint(error: NameError, text: str) -> str:
     """Return the hint for a method that uses `self` but does not have it as its first parameter."""
-    frame = frame_of(error)
+    frame = near_names.frame_of(error)
     if frame is None or "name 'self' is not" not in text:
         return ""
     code = frame.f_code

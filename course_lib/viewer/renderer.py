@@ -17,20 +17,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from course_lib.arrays import Bools, Bytes, Float32s, Floats, Indices, Matrix, Pixels
-from course_lib.viewer.drawables import (
-    OPAQUE_FROM,
-    Camera,
-    Drawable,
-    Inset,
-    Lines,
-    Mesh,
-    Points,
-    Shape,
-    Sheet,
-    Solids,
-    Spot,
-    Text,
-)
+from course_lib.viewer import drawables
 from course_lib.viewer.scene import Scene
 
 # Height of a capital letter of the font in use [px].
@@ -99,7 +86,7 @@ def _fonts() -> tuple[ImageFont.FreeTypeFont, ...]:
 _ARC = np.linspace(-np.pi / 2, np.pi / 2, 33)
 
 # (radius, height) from bottom to top, to be revolved around z.
-_PROFILES: dict[Shape, Matrix] = {
+_PROFILES: dict[drawables.Shape, Matrix] = {
     "box": np.array([(0, -0.5), (0.5**0.5, -0.5), (0.5**0.5, 0.5), (0, 0.5)]),
     "sphere": np.column_stack([np.cos(_ARC), np.sin(_ARC)]) / 2,
     "cylinder": np.array([(0, -0.5), (0.5, -0.5), (0.5, 0.5), (0, 0.5)]),
@@ -123,7 +110,7 @@ class Surface(NamedTuple):
 
 
 @cache
-def unit_shape(shape: Shape, steps: int) -> Surface:
+def unit_shape(shape: drawables.Shape, steps: int) -> Surface:
     """Return a shape as defined by `Solids`, with `steps` corners around its axis."""
     profile, steps = _PROFILES[shape], 4 if shape == "box" else steps
     angles = (np.arange(steps + 1) + 0.5) * 2 * np.pi / steps
@@ -138,7 +125,7 @@ def unit_shape(shape: Shape, steps: int) -> Surface:
 
 
 @cache
-def unit_spot(spot: Spot) -> tuple[Float32s, Float32s]:
+def unit_spot(spot: drawables.Spot) -> tuple[Float32s, Float32s]:
     """Return triangles, shape (T, 3, 3), and RViz's brightness at their corners, shape (T, 3, 1).
 
     The numbers are those of RViz's shaders: shaded_circle.frag and nogp/box.frag.
@@ -195,7 +182,7 @@ class Viewpoint:
     """The transform from an object to the camera, and the height of the image."""
 
     transform_object_to_camera: Matrix
-    camera: Camera
+    camera: drawables.Camera
     height: int
 
     def points(self, points: Float32s) -> Float32s:
@@ -210,7 +197,7 @@ class Viewpoint:
 
 
 def triangles_of(
-    scene: Scene, camera: Camera, height: int, hidden_paths: tuple[str, ...] = ()
+    scene: Scene, camera: drawables.Camera, height: int, hidden_paths: tuple[str, ...] = ()
 ) -> Iterator[Triangles]:
     """Iterate over all visible objects in an image of the given height, except those at hidden paths.
 
@@ -235,7 +222,7 @@ def _triangles(points: Float32s, colors: Float32s, lit_by: Float32s | None = Non
         length = np.linalg.norm(lit_by, axis=-1, keepdims=True)
         colors[..., :3] *= np.abs(lit_by[..., 2:]) / np.maximum(length, 1e-12)
     corners = np.concatenate([points, colors, np.zeros((*points.shape[:2], 2), np.float32)], axis=-1)
-    return Triangles(corners, bool((colors[..., 3] < OPAQUE_FROM).any()))
+    return Triangles(corners, bool((colors[..., 3] < drawables.OPAQUE_FROM).any()))
 
 
 def _normals(corners: Float32s) -> Float32s:
@@ -250,7 +237,7 @@ def _transform_normals(normals: Float32s, transform: Matrix) -> Float32s:
     return (cofactors @ normals[..., None])[..., 0].astype(np.float32)
 
 
-def _solids(solids: Solids, view: Viewpoint) -> Triangles:
+def _solids(solids: drawables.Solids, view: Viewpoint) -> Triangles:
     unit = unit_shape(solids.shape, 32 if len(solids.placements) < 50 else 12)
     placements = (view.transform_object_to_camera @ solids.placements)[:, None, None]
     points = (placements[..., :3, :3] @ unit.corners[..., None])[..., 0] + placements[..., :3, 3]
@@ -269,7 +256,7 @@ def _front(corners: Float32s, view: Viewpoint) -> Bools:
     return front
 
 
-def _mesh(mesh: Mesh, view: Viewpoint) -> Triangles:
+def _mesh(mesh: drawables.Mesh, view: Viewpoint) -> Triangles:
     points = view.points(mesh.vertices)[mesh.faces]
     colors = np.broadcast_to(mesh.colors, (len(mesh.vertices), 4))[mesh.faces]
     if not mesh.lit:
@@ -281,7 +268,7 @@ def _mesh(mesh: Mesh, view: Viewpoint) -> Triangles:
     )
 
 
-def _lines(lines: Lines, view: Viewpoint) -> Triangles:
+def _lines(lines: drawables.Lines, view: Viewpoint) -> Triangles:
     """Widen each segment perpendicular to the line between its neighbors, like Ogre's billboard chain."""
     points = view.points(lines.points)
     colors = np.broadcast_to(lines.colors, (len(points), 4))
@@ -300,7 +287,7 @@ def _lines(lines: Lines, view: Viewpoint) -> Triangles:
     return _triangles(corners[:, end, side].reshape(-1, 3, 3).astype(np.float32), tints.reshape(-1, 3, 4))
 
 
-def _points(points: Points, view: Viewpoint) -> Triangles:
+def _points(points: drawables.Points, view: Viewpoint) -> Triangles:
     centres = view.points(points.points)
     unit, shade = unit_spot(points.spot)
     size = np.array(points.size) * (view.pixel(centres) if points.pixels else np.ones((len(centres), 1)))
@@ -328,7 +315,7 @@ def _points(points: Points, view: Viewpoint) -> Triangles:
     return _triangles(corners, colors)
 
 
-def _text(text: Text, view: Viewpoint) -> Triangles:
+def _text(text: drawables.Text, view: Viewpoint) -> Triangles:
     glyphs = rasterize(text.text)
     rows, columns = glyphs.mask.shape
     size = np.array([columns, rows, 0], np.float32) * np.float32(text.height / glyphs.pixels_per_height)
@@ -339,24 +326,24 @@ def _text(text: Text, view: Viewpoint) -> Triangles:
     return Triangles(square, True, glyphs.mask)
 
 
-def _sheet(sheet: Sheet, view: Viewpoint) -> Triangles:
+def _sheet(sheet: drawables.Sheet, view: Viewpoint) -> Triangles:
     rows, columns = sheet.cells.shape
     unit = SQUARE + np.array([0.5, 0.5, 0], np.float32)
     size = np.array([columns, rows, 0], np.float32) * np.float32(sheet.width)
     square = _triangles(view.points(unit * size), np.ones(4, np.float32)).corners
     square[..., 7:] = unit[..., :2]
-    blended = bool((sheet.colors[..., 3] < OPAQUE_FROM).any())
+    blended = bool((sheet.colors[..., 3] < drawables.OPAQUE_FROM).any())
     pixels = np.rint(sheet.colors * 255).astype(np.uint8)[sheet.cells[::-1]]
     return Triangles(square, blended, pixels, sheet.behind, _ON_SHEETS)
 
 
-_CONVERTERS: dict[type[Drawable], Callable[[Any, Viewpoint], Triangles]] = {
-    Solids: _solids,
-    Mesh: _mesh,
-    Lines: _lines,
-    Points: _points,
-    Text: _text,
-    Sheet: _sheet,
+_CONVERTERS: dict[type[drawables.Drawable], Callable[[Any, Viewpoint], Triangles]] = {
+    drawables.Solids: _solids,
+    drawables.Mesh: _mesh,
+    drawables.Lines: _lines,
+    drawables.Points: _points,
+    drawables.Text: _text,
+    drawables.Sheet: _sheet,
 }
 
 
@@ -367,13 +354,13 @@ Box: TypeAlias = tuple[int, int, int, int]
 SHARE, GAP = 0.3, 0.01
 
 
-def placed_insets(scene: Scene, size: tuple[int, int]) -> Iterator[tuple[Inset, Box]]:
+def placed_insets(scene: Scene, size: tuple[int, int]) -> Iterator[tuple[drawables.Inset, Box]]:
     """Iterate over the visible insets and their boxes, one below the other at the right edge."""
     objects = scene.objects().items()
     insets = [
         drawable
         for path, drawable in sorted(objects)
-        if isinstance(drawable, Inset) and scene.is_visible(path)
+        if isinstance(drawable, drawables.Inset) and scene.is_visible(path)
     ]
     width, gap = SHARE * size[0], GAP * size[0]
     needed_height = sum(width / inset.aspect for inset in insets)
@@ -499,7 +486,7 @@ def draw(scene: Scene, size: tuple[int, int]) -> bytes:
     return png.getvalue()
 
 
-def _inset(scene: Scene, inset: Inset, size: tuple[int, int]) -> Pixels:
+def _inset(scene: Scene, inset: drawables.Inset, size: tuple[int, int]) -> Pixels:
     """Draw an inset, including the scene if it has a camera."""
     picture = np.asarray(Image.fromarray(inset.pixels).resize(size))
     if inset.camera is None:
@@ -511,7 +498,7 @@ def _inset(scene: Scene, inset: Inset, size: tuple[int, int]) -> Pixels:
 
 def _pixels(
     scene: Scene,
-    camera: Camera,
+    camera: drawables.Camera,
     size: tuple[int, int],
     behind: Pixels | None = None,
     hidden_paths: tuple[str, ...] = (),
@@ -566,7 +553,7 @@ def _blend(depths: Float32s, colors: Float32s, parts: list[Fragments]) -> None:
         colors[sample[now]] = colors[sample[now]] * (1 - alpha) + color[now, :3] * alpha
 
 
-def _fragments(triangles: Triangles, camera: Camera, size: tuple[int, int]) -> Iterator[Fragments]:
+def _fragments(triangles: Triangles, camera: drawables.Camera, size: tuple[int, int]) -> Iterator[Fragments]:
     """Iterate over the samples that triangles cover, a limited number at a time."""
     perspective = camera.orthographic_scale is None
     corners = clip_triangles(triangles.corners, camera.near) if perspective else triangles.corners

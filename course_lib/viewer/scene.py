@@ -10,20 +10,7 @@ import numpy.typing as npt
 
 from course_lib.arrays import Floats, Matrix, Reals
 from course_lib.errors import CourseError
-from course_lib.viewer.drawables import (
-    Camera,
-    Drawable,
-    Inset,
-    Lines,
-    Mesh,
-    MeshcatObject,
-    Points,
-    Sheet,
-    Solids,
-    Text,
-    are_equal,
-    checked_array,
-)
+from course_lib.viewer import drawables
 
 ChangeKind: TypeAlias = Literal[
     "object", "transform", "visible", "delete", "background", "look", "camera", "animation"
@@ -44,7 +31,7 @@ class Node:
         self.path = path
         self.parent = parent
         self.children: dict[str, Node] = {}
-        self.object: Drawable | None = None
+        self.object: drawables.Drawable | None = None
         self.matrix: Matrix = _IDENTITY
         self.is_visible = True
 
@@ -76,17 +63,17 @@ class Scene:
         self._listeners: tuple[Listener, ...] = ()
         self._background = (48, 48, 48)
         self._look: Look = "RViz"
-        self._camera = Camera()
+        self._camera = drawables.Camera()
         self.animation: Mapping[str, Any] | None = None
 
-    def set_object(self, path: str, drawable: Drawable) -> None:
+    def set_object(self, path: str, drawable: drawables.Drawable) -> None:
         """Set the object of a node, replacing the current one.
 
         An equal object is not a change: nodes often publish the same lines or points repeatedly.
         """
         with self.lock:
             node = self._ensure_node(path)
-            if node.object is not None and are_equal(node.object, drawable):
+            if node.object is not None and drawables.are_equal(node.object, drawable):
                 return
             node.object = drawable
             self._notify("object", node.path)
@@ -99,7 +86,7 @@ class Scene:
         transform_node_to_parent = np.array(matrix, np.float64)
         # `checked` would double the time of this call.
         if transform_node_to_parent.shape != (4, 4):
-            checked_array(f"The transform of {path!r}", matrix, np.float64, (4, 4))
+            drawables.checked_array(f"The transform of {path!r}", matrix, np.float64, (4, 4))
         transform_node_to_parent.setflags(write=False)
         with self.lock:
             node = self._nodes.get(path) or self._ensure_node(path)
@@ -166,22 +153,22 @@ class Scene:
             self._notify("look", "")
 
     @property
-    def camera(self) -> Camera:
+    def camera(self) -> drawables.Camera:
         """The camera of views that the user has not moved."""
         return self._camera
 
     @camera.setter
-    def camera(self, camera: Camera) -> None:
+    def camera(self, camera: drawables.Camera) -> None:
         with self.lock:
             self._camera = camera
             self._notify("camera", "")
 
-    def remember_camera(self, camera: Camera) -> None:
+    def remember_camera(self, camera: drawables.Camera) -> None:
         """Set the camera for pages that load later; open pages keep theirs."""
         with self.lock:
             self._camera = camera
 
-    def objects(self) -> dict[str, Drawable]:
+    def objects(self) -> dict[str, drawables.Drawable]:
         """Return all objects by path, in the order of the tree."""
         with self.lock:
             return {node.path: node.object for node in self.nodes() if node.object is not None}
@@ -273,38 +260,40 @@ def describe_scene(scene: Scene, label: str) -> str:
     return f"{label.rstrip('.')}. {'; '.join(lines)}" if lines else label
 
 
-def _description(drawable: Drawable) -> str:
-    if isinstance(drawable, Solids):
+def _description(drawable: drawables.Drawable) -> str:
+    if isinstance(drawable, drawables.Solids):
         name = {"sphere": "ellipsoid"}.get(drawable.shape, drawable.shape)
         return _plural(len(drawable.placements), name)
-    if isinstance(drawable, Mesh):
+    if isinstance(drawable, drawables.Mesh):
         return _plural(len(drawable.faces), "triangle")
-    if isinstance(drawable, Points):
+    if isinstance(drawable, drawables.Points):
         return _plural(len(drawable.points), "point")
-    if isinstance(drawable, Lines):
+    if isinstance(drawable, drawables.Lines):
         return _plural(len(drawable.points) - 1 if drawable.strip else len(drawable.points) // 2, "line")
-    if isinstance(drawable, Sheet):
+    if isinstance(drawable, drawables.Sheet):
         return f"{drawable.cells.shape[1]} x {drawable.cells.shape[0]} cells"
-    return f"the text {drawable.text!r}" if isinstance(drawable, Text) else "an object of meshcat"
+    return f"the text {drawable.text!r}" if isinstance(drawable, drawables.Text) else "an object of meshcat"
 
 
 def _plural(count: int, name: str) -> str:
     return f"{count} {name}{'es' if name == 'box' else 's'}" if count != 1 else f"1 {name}"
 
 
-def _middle(scene: Scene, path: str, drawable: Drawable) -> str:
+def _middle(scene: Scene, path: str, drawable: drawables.Drawable) -> str:
     """Return the center of an object's bounding box, in the scene's frame."""
     points: Reals
-    if isinstance(drawable, Solids):
+    if isinstance(drawable, drawables.Solids):
         points = drawable.placements[:, :3, 3]
-    elif isinstance(drawable, Mesh):
+    elif isinstance(drawable, drawables.Mesh):
         # Robots have 100,000 vertices, and panels are updated while they move.
         points = drawable.corners
-    elif isinstance(drawable, Sheet):
+    elif isinstance(drawable, drawables.Sheet):
         rows, columns = drawable.cells.shape
         points = np.array([(0, 0, 0), (columns * drawable.width, rows * drawable.width, 0)])
     else:
-        points = drawable.points if isinstance(drawable, Lines | Points) else np.zeros((1, 3))
+        points = (
+            drawable.points if isinstance(drawable, drawables.Lines | drawables.Points) else np.zeros((1, 3))
+        )
     transform = scene.world_transform(path)
     if not len(points):
         return "nowhere"
@@ -340,7 +329,7 @@ def bounds_of(scene: Scene, paths: Iterable[str]) -> Floats | None:
     return corners
 
 
-def _box(scene: Scene, path: str, drawable: Drawable) -> Floats | None:
+def _box(scene: Scene, path: str, drawable: drawables.Drawable) -> Floats | None:
     """Return the corners of an object's box in the scene's frame, or None if it has no position."""
     points, reach = _points_and_extent(drawable)
     transform = scene.world_transform(path)
@@ -352,23 +341,23 @@ def _box(scene: Scene, path: str, drawable: Drawable) -> Floats | None:
         if not is_finite.any():
             return None
         low, high = (transformed - half)[is_finite], (transformed + half)[is_finite]
-        if len(low) >= _MANY and isinstance(drawable, Points):
+        if len(low) >= _MANY and isinstance(drawable, drawables.Points):
             return np.stack([np.percentile(low, _MOST[0], axis=0), np.percentile(high, _MOST[1], axis=0)])
         return np.stack([low.min(axis=0), high.max(axis=0)])
 
 
-def _points_and_extent(drawable: Drawable) -> tuple[Reals, Reals]:
+def _points_and_extent(drawable: drawables.Drawable) -> tuple[Reals, Reals]:
     """Return the points of an object, shape (N, 3), and its extent beyond them, shape (N or 1, 3)."""
     nothing = np.zeros((1, 3))
-    if isinstance(drawable, Solids):
+    if isinstance(drawable, drawables.Solids):
         return drawable.placements[:, :3, 3], np.abs(drawable.placements[:, :3, :3]).sum(axis=2) / 2
-    if isinstance(drawable, Mesh):
+    if isinstance(drawable, drawables.Mesh):
         return drawable.vertices, nothing
-    if isinstance(drawable, Lines | Points):
+    if isinstance(drawable, drawables.Lines | drawables.Points):
         return drawable.points, nothing
-    if isinstance(drawable, Sheet):
+    if isinstance(drawable, drawables.Sheet):
         rows, columns = drawable.cells.shape
         return np.array([(0, 0, 0), (columns * drawable.width, rows * drawable.width, 0)]), nothing
-    if isinstance(drawable, MeshcatObject):
+    if isinstance(drawable, drawables.MeshcatObject):
         return (np.empty((0, 3)) if drawable.stand_in is None else drawable.stand_in.vertices), nothing
-    return (np.empty((0, 3)) if isinstance(drawable, Inset) else nothing), nothing
+    return (np.empty((0, 3)) if isinstance(drawable, drawables.Inset) else nothing), nothing

@@ -22,20 +22,7 @@ from PIL import Image
 
 from course_lib.arrays import Float32s, Floats, Matrix
 from course_lib.errors import CourseError
-from course_lib.viewer.drawables import (
-    Camera,
-    Drawable,
-    Lines,
-    Mesh,
-    MeshcatObject,
-    Points,
-    Shape,
-    Solids,
-    Text,
-    float_array,
-    parse_mesh,
-    rgba,
-)
+from course_lib.viewer import drawables
 from course_lib.viewer.html import static_page
 from course_lib.viewer.picture import screenshot
 from course_lib.viewer.scene import Scene, describe_scene
@@ -57,7 +44,7 @@ _WRAPPINGS: Mapping[int, Callable[[Floats], Floats]] = {
 
 def textured_mesh(
     json: Json, geometry: Json, material: Json, color: Float32s, transform: Matrix
-) -> Mesh | None:
+) -> drawables.Mesh | None:
     """Return a mesh colored by its texture, or None without a texture or for other geometries.
 
     Args:
@@ -92,7 +79,7 @@ def textured_mesh(
     if not material.get("transparent"):
         colors[:, 3] = 1.0
     transformed = vertices @ transform[:3, :3].T + transform[:3, 3]
-    return Mesh(transformed, faces, colors, lit=material.get("type") != "MeshBasicMaterial")
+    return drawables.Mesh(transformed, faces, colors, lit=material.get("type") != "MeshBasicMaterial")
 
 
 def _grid(place: Callable[[Floats, Floats], Floats]) -> Surface:
@@ -217,7 +204,7 @@ _TYPES = {0x12: np.uint8, 0x15: np.int32, 0x16: np.uint32, 0x17: np.float32}
 _TRANSFORM_UP_TO_Y = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 
 
-def drawable_of(json: Json) -> Drawable:
+def drawable_of(json: Json) -> drawables.Drawable:
     """Convert an object of meshcat. Objects without an equivalent are left to the page's three.js.
 
     Boxes, spheres, cylinders, triangles, points, lines and mesh files have an equivalent, unless
@@ -232,12 +219,14 @@ def drawable_of(json: Json) -> Drawable:
     if str(file.get("type", "")).startswith("_meshfile") and not special:
         content = file["data"].encode() if isinstance(file["data"], str) else bytes(file["data"].data)
         color = tuple(_color(material).tolist()) if material else None
-        return _transform_drawable(parse_mesh(content, file["format"], color), transform_geometry_to_node)
+        return _transform_drawable(
+            drawables.parse_mesh(content, file["format"], color), transform_geometry_to_node
+        )
     lit = material.get("type") != "MeshBasicMaterial"
     if mesh_object["type"] == "Mesh" and geometry.get("type") in _SOLIDS and not special:
         shape, transform_unit_to_geometry = _SOLIDS[geometry["type"]](geometry)
         placement = transform_geometry_to_node @ transform_unit_to_geometry
-        return Solids(shape, [placement], _color(material), lit)
+        return drawables.Solids(shape, [placement], _color(material), lit)
     if mesh_object["type"] in _BUFFERS and geometry.get("type") == "BufferGeometry" and not special:
         attributes = geometry["data"]["attributes"]
         colors = _colors(attributes, material)
@@ -246,8 +235,8 @@ def drawable_of(json: Json) -> Drawable:
         )
         return _transform_drawable(drawable, transform_geometry_to_node)
     if mesh_object["type"] != "Mesh" or not material.get("map"):
-        return MeshcatObject(json, None)
-    return MeshcatObject(
+        return drawables.MeshcatObject(json, None)
+    return drawables.MeshcatObject(
         json, textured_mesh(json, geometry, material, _color(material), transform_geometry_to_node)
     )
 
@@ -258,15 +247,15 @@ def _resolve(json: Json, field: str, library: str) -> Json:
     return next((part for part in json.get(library, ()) if part["uuid"] == uuid), {})
 
 
-def recolor(drawable: Drawable, color: Sequence[float]) -> Drawable:
+def recolor(drawable: drawables.Drawable, color: Sequence[float]) -> drawables.Drawable:
     """Return the same object in a single color, RGBA in 0..1."""
-    if isinstance(drawable, MeshcatObject):
+    if isinstance(drawable, drawables.MeshcatObject):
         red, green, blue, alpha = (round(255 * part) for part in color)
         paint = {"color": red << 16 | green << 8 | blue, "opacity": alpha / 255, "transparent": alpha < 255}
         materials = [{**material, **paint} for material in drawable.json.get("materials", ())]
         return drawable_of({**drawable.json, "materials": materials})
     other = copy(drawable)
-    setattr(other, "color" if isinstance(other, Text) else "colors", rgba(color))
+    setattr(other, "color" if isinstance(other, drawables.Text) else "colors", drawables.rgba(color))
     return other
 
 
@@ -291,39 +280,39 @@ def _array(attribute: Json) -> Any:
     return np.frombuffer(attribute["array"].data, _TYPES[attribute["array"].type]).reshape(-1, 3)
 
 
-def _transform_drawable(drawable: Drawable, transform: Matrix) -> Drawable:
+def _transform_drawable(drawable: drawables.Drawable, transform: Matrix) -> drawables.Drawable:
     """Transform a mesh, points or lines."""
     if np.array_equal(transform, np.eye(4)):
         return drawable
     other = copy(drawable)
-    field = "vertices" if isinstance(drawable, Mesh) else "points"
+    field = "vertices" if isinstance(drawable, drawables.Mesh) else "points"
     transformed = getattr(drawable, field) @ transform[:3, :3].T + transform[:3, 3]
-    setattr(other, field, float_array(field, transformed, (None, 3)))
-    if isinstance(other, Mesh):
+    setattr(other, field, drawables.float_array(field, transformed, (None, 3)))
+    if isinstance(other, drawables.Mesh):
         # Normals are invalid after a transform with scaling.
         other.normals = None
     return other
 
 
-def _mesh(points: Float32s, colors: Float32s, data: Json, material: Json) -> Mesh:
+def _mesh(points: Float32s, colors: Float32s, data: Json, material: Json) -> drawables.Mesh:
     lit = material.get("type") != "MeshBasicMaterial"
-    return Mesh(points, _array(data["index"]) if "index" in data else None, colors, lit=lit)
+    return drawables.Mesh(points, _array(data["index"]) if "index" in data else None, colors, lit=lit)
 
 
-def _points(points: Float32s, colors: Float32s, _: Json, material: Json) -> Points:
+def _points(points: Float32s, colors: Float32s, _: Json, material: Json) -> drawables.Points:
     size = material.get("size", 0.001)  # [m]
-    return Points(points, colors, (size, size))
+    return drawables.Points(points, colors, (size, size))
 
 
-_BUFFERS: dict[str, Callable[[Float32s, Float32s, Json, Json], Drawable]] = {
+_BUFFERS: dict[str, Callable[[Float32s, Float32s, Json, Json], drawables.Drawable]] = {
     "Mesh": _mesh,
     "Points": _points,
-    "Line": lambda points, colors, *_: Lines(points, colors),
-    "LineSegments": lambda points, colors, *_: Lines(points, colors, strip=False),
+    "Line": lambda points, colors, *_: drawables.Lines(points, colors),
+    "LineSegments": lambda points, colors, *_: drawables.Lines(points, colors, strip=False),
 }
 
 
-_SOLIDS: dict[str, Callable[[Json], tuple[Shape, Matrix]]] = {
+_SOLIDS: dict[str, Callable[[Json], tuple[drawables.Shape, Matrix]]] = {
     "BoxGeometry": lambda box: ("box", np.diag([box["width"], box["height"], box["depth"], 1])),
     "SphereGeometry": lambda ball: ("sphere", np.diag([2 * ball["radius"]] * 3 + [1])),
     "CylinderGeometry": lambda geometry: (
@@ -365,7 +354,7 @@ class MeshcatCamera:
             x, up, minus_y = value
             self._look_at(np.array([x, -minus_y, up], float), self._local(camera.target))
         elif name == "zoom":
-            self._scene.camera = replace(camera, vertical_fov=_zoom_fov(Camera.vertical_fov, value))
+            self._scene.camera = replace(camera, vertical_fov=_zoom_fov(drawables.Camera.vertical_fov, value))
         elif name == "fov":
             self._scene.camera = replace(camera, vertical_fov=radians(value))
         elif name == "near":

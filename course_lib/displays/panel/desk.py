@@ -14,45 +14,7 @@ from course_lib.displays.display import GROUP, Display, Group
 from course_lib.displays.frames import NS, ViewTime
 from course_lib.displays.interactive import InteractiveMarkersDisplay
 from course_lib.displays.layout import read_layout, yaml_text
-from course_lib.displays.panel.protocol import (
-    AddableTopic,
-    AddableType,
-    AddDisplay,
-    AnyOrder,
-    ChangeView,
-    ChooseEntry,
-    ContextMenu,
-    DuplicateDisplay,
-    Editor,
-    EditorKind,
-    HomeView,
-    Layouts,
-    LevelMark,
-    LoadLayout,
-    LookAgain,
-    Notice,
-    OpenPanels,
-    Order,
-    PanelNews,
-    PanelRow,
-    PanelState,
-    PublishGesture,
-    RemoveRow,
-    RemoveView,
-    RenameRow,
-    RenameView,
-    SaveLayout,
-    SaveView,
-    SelectObject,
-    SetValue,
-    StatusLine,
-    ToolButton,
-    TurnView,
-    UseControl,
-    UseView,
-    ViewChoice,
-    WatchRows,
-)
+from course_lib.displays.panel import protocol
 from course_lib.displays.panel.tools import publish, settings_of
 from course_lib.displays.properties import (
     Convert,
@@ -80,7 +42,7 @@ from course_lib.viewer.drawables import Camera
 from course_lib.viewer.encoding import Message, MessageError, from_json, to_json
 from course_lib.viewer.page_link import PageLink, running_loop
 
-_EDITORS: tuple[tuple[Convert, EditorKind], ...] = (
+_EDITORS: tuple[tuple[Convert, protocol.EditorKind], ...] = (
     (flag, "bool"),
     (color, "color"),
     (vector, "vector"),
@@ -96,7 +58,7 @@ _WORST_FIRST: tuple[Level, ...] = ("error", "warn", "hint", "ok")
 class RowEntry:
     """A row that the page draws, and the effect of editing it."""
 
-    row: PanelRow
+    row: protocol.PanelRow
     edit: Edit | None = None
     # The tree's member, which can be renamed, removed, ...
     member: Display | Group | None = None
@@ -115,7 +77,7 @@ class Rows(dict[str, RowEntry]):
         **shown: Any,
     ) -> None:
         """Add a row."""
-        self[key] = RowEntry(PanelRow(key, parent, label, **shown), edit, member)
+        self[key] = RowEntry(protocol.PanelRow(key, parent, label, **shown), edit, member)
 
     def put_properties(self, holder: PropertyHolder, parent: str) -> None:
         """Add the editable properties of an object, without its check box."""
@@ -149,7 +111,8 @@ class Rows(dict[str, RowEntry]):
         if prop.convert is booleans:
             for name, on in value.items():
                 tick = partial(self._set_check_box, holder, prop.label, name)
-                self.put(f"{key}#{name}", key, name or "(no name)", tick, editor=Editor("bool"), value=on)
+                title, editor = name or "(no name)", protocol.Editor("bool")
+                self.put(f"{key}#{name}", key, title, tick, editor=editor, value=on)
 
     @staticmethod
     def _set_check_box(holder: PropertyHolder, label: str, name: str, is_enabled: Any) -> None:
@@ -224,23 +187,24 @@ def _key(member: Display | Group) -> str:
     return f"group {id(member)}" if isinstance(member, Group) else member.path
 
 
-def mark_of(level: Level) -> LevelMark:
+def mark_of(level: Level) -> protocol.LevelMark:
     """Return icon and word of a level."""
     icon, word, _ = LEVELS[level]
-    return LevelMark(level, icon, word)
+    return protocol.LevelMark(level, icon, word)
 
 
-def _editor(prop: Property, holder: PropertyHolder) -> Editor:
+def _editor(prop: Property, holder: PropertyHolder) -> protocol.Editor:
     """Return the control that edits a property, with its limits."""
     if isinstance(prop.convert, LimitedConversion):
         low, high = (limit if isfinite(limit) else None for limit in (prop.convert.low, prop.convert.high))
-        return Editor(prop.convert.editor, low, high, tuple(prop.convert.options))
+        return protocol.Editor(prop.convert.editor, low, high, tuple(prop.convert.options))
     # The attribute is read from the class, because an instance without it would search for similar
     # names, which is slow.
     type_name = getattr(type(holder), "type_name", None)
     if prop.path[-1].endswith("Topic") and type_name:
-        return Editor("topic", type=type_name)
-    return Editor(next((kind for convert, kind in _EDITORS if convert is prop.convert), "text"))
+        return protocol.Editor("topic", type=type_name)
+    kinds = (kind for convert, kind in _EDITORS if convert is prop.convert)
+    return protocol.Editor(next(kinds, "text"))
 
 
 # Maximum length of a list or string of a selected message that is shown completely.
@@ -260,34 +224,34 @@ class OrderHandler:
 
     def __init__(self, session: RvizSession) -> None:
         self.rows: Mapping[str, RowEntry] = {}
-        self.notice = Notice()
+        self.notice = protocol.Notice()
         self.selection = ""
-        self.menu = ContextMenu()
+        self.menu = protocol.ContextMenu()
         self.file = "view.rviz"
         self._session = session
-        self._acts: dict[type[Order], Callable[[Any], None]] = {
-            LookAgain: lambda order: None,
-            SetValue: self._set,
-            AddDisplay: self._add,
-            DuplicateDisplay: self._duplicate,
-            RenameRow: self._rename,
-            RemoveRow: lambda order: session.remove(self._member(order.row)),
-            SaveLayout: self._save,
-            LoadLayout: self._load,
-            ChangeView: self._change_view,
-            HomeView: lambda order: session.view.return_home(),
-            SaveView: self._save_view,
-            UseView: self._use_view,
-            RenameView: lambda order: setattr(self._saved_view(order.index), "name", order.name),
-            RemoveView: lambda order: session.saved_views.remove(self._saved_view(order.index)),
-            TurnView: self._turn,
-            SelectObject: self._select,
-            PublishGesture: self._publish,
-            UseControl: self._use,
-            ChooseEntry: self._choose,
+        self._acts: dict[type[protocol.Order], Callable[[Any], None]] = {
+            protocol.LookAgain: lambda order: None,
+            protocol.SetValue: self._set,
+            protocol.AddDisplay: self._add,
+            protocol.DuplicateDisplay: self._duplicate,
+            protocol.RenameRow: self._rename,
+            protocol.RemoveRow: lambda order: session.remove(self._member(order.row)),
+            protocol.SaveLayout: self._save,
+            protocol.LoadLayout: self._load,
+            protocol.ChangeView: self._change_view,
+            protocol.HomeView: lambda order: session.view.return_home(),
+            protocol.SaveView: self._save_view,
+            protocol.UseView: self._use_view,
+            protocol.RenameView: lambda order: setattr(self._saved_view(order.index), "name", order.name),
+            protocol.RemoveView: lambda order: session.saved_views.remove(self._saved_view(order.index)),
+            protocol.TurnView: self._turn,
+            protocol.SelectObject: self._select,
+            protocol.PublishGesture: self._publish,
+            protocol.UseControl: self._use,
+            protocol.ChooseEntry: self._choose,
         }
 
-    def carry_out(self, order: Order) -> None:
+    def carry_out(self, order: protocol.Order) -> None:
         """Execute an order.
 
         Raises:
@@ -306,13 +270,13 @@ class OrderHandler:
             raise CourseError("Select a display in the tree first.")
         return member
 
-    def _set(self, order: SetValue) -> None:
+    def _set(self, order: protocol.SetValue) -> None:
         edit = self._entry(order.row).edit
         if edit is None:
             raise CourseError(f"{order.row!r} cannot be edited.")
         edit(order.value)
 
-    def _add(self, order: AddDisplay) -> None:
+    def _add(self, order: protocol.AddDisplay) -> None:
         row_entry = self.rows.get(order.row)
         group = row_entry.member if row_entry and isinstance(row_entry.member, Group) else None
         if order.display == GROUP:
@@ -324,7 +288,7 @@ class OrderHandler:
         config = {label: {"Value": order.topic}} if order.topic else {}
         self._session.add(order.display, short_name(order.display), config, group=group)
 
-    def _duplicate(self, order: DuplicateDisplay) -> None:
+    def _duplicate(self, order: protocol.DuplicateDisplay) -> None:
         member = self._member(order.row)
         if isinstance(member, Group):
             raise CourseError("A group cannot be duplicated; duplicate its displays.")
@@ -332,19 +296,19 @@ class OrderHandler:
         holder = self._session.tree.find_group_of(member)
         self._session.add(str(config["Class"]), member.name, config, group=holder)
 
-    def _rename(self, order: RenameRow) -> None:
+    def _rename(self, order: protocol.RenameRow) -> None:
         member = self._member(order.row)
         member.name = order.name.strip() or member.name
 
-    def _save(self, order: SaveLayout) -> None:
+    def _save(self, order: protocol.SaveLayout) -> None:
         path = self._path(order.name)
         save_rviz(self._session, path)
-        self.notice = Notice("ok", f"Saved {self.file}.")
+        self.notice = protocol.Notice("ok", f"Saved {self.file}.")
 
-    def _load(self, order: LoadLayout) -> None:
+    def _load(self, order: protocol.LoadLayout) -> None:
         path = self._path(order.name)
         self._session.apply(read_layout(path))
-        self.notice = Notice("ok", f"Opened {self.file}.")
+        self.notice = protocol.Notice("ok", f"Opened {self.file}.")
 
     def _path(self, text: str) -> Path:
         """Return the path of a layout in one of the folders of layouts."""
@@ -360,36 +324,38 @@ class OrderHandler:
             raise CourseError("This saved view no longer exists.")
         return self._session.saved_views[index]
 
-    def _change_view(self, order: ChangeView) -> None:
+    def _change_view(self, order: protocol.ChangeView) -> None:
         if order.view not in VIEWS:
             raise CourseError(f"There is no view {order.view!r}; the views are {', '.join(VIEWS)}.")
         view = VIEWS[order.view]()
         view.mimic(self._session.view, self._session.context.frames)
         self._session.view = view
 
-    def _save_view(self, order: SaveView) -> None:
+    def _save_view(self, order: protocol.SaveView) -> None:
         view = view_of(view_config(self._session.view))[0]
         view.name = order.name
         self._session.saved_views.append(view)
 
-    def _use_view(self, order: UseView) -> None:
+    def _use_view(self, order: protocol.UseView) -> None:
         config = view_config(self._saved_view(order.index))
         self._session.view = view_of({**config, "Name": "Current View"})[0]
 
-    def _turn(self, order: TurnView) -> None:
+    def _turn(self, order: protocol.TurnView) -> None:
         scale = order.scale or None
         self._session.on_view_turned(Camera(order.eye, order.target, order.up, orthographic_scale=scale))
 
-    def _select(self, order: SelectObject) -> None:
+    def _select(self, order: protocol.SelectObject) -> None:
         self.selection = describe_selection(self._session, order.path, order.index)
 
-    def _publish(self, order: PublishGesture) -> None:
+    def _publish(self, order: protocol.PublishGesture) -> None:
         node = self._session.context.node
         if node is None:
             raise CourseError("This page shows a recording, in which nothing can be published.")
-        self.notice = Notice("ok", publish(node, self._session.tools, self._session.fixed_frame, order))
+        self.notice = protocol.Notice(
+            "ok", publish(node, self._session.tools, self._session.fixed_frame, order)
+        )
 
-    def _use(self, order: UseControl) -> None:
+    def _use(self, order: protocol.UseControl) -> None:
         for display in handles(self._session):
             entries = display.use(order)
             if order.event != "move":
@@ -397,12 +363,12 @@ class OrderHandler:
                 hides_others = order.event == "down" and tool["Hide Inactive Objects"]
                 display.show_only(order.path if hides_others else None)
             if entries:
-                self.menu = ContextMenu(self.menu.number + 1, order.path, entries)
+                self.menu = protocol.ContextMenu(self.menu.number + 1, order.path, entries)
 
-    def _choose(self, order: ChooseEntry) -> None:
+    def _choose(self, order: protocol.ChooseEntry) -> None:
         for display in handles(self._session):
             if display.message_at(order.path) is not None:
-                self.notice = Notice("ok", display.choose(order.path, order.entry))
+                self.notice = protocol.Notice("ok", display.choose(order.path, order.entry))
 
 
 def handles(session: RvizSession) -> list[InteractiveMarkersDisplay]:
@@ -451,8 +417,8 @@ class Desk:
     def __init__(self, session: RvizSession, link: PageLink, graph: Graph | None = None) -> None:
         self._session, self._link, self._graph = session, link, graph
         self._orders = OrderHandler(session)
-        self._sent_state: PanelState | None = None
-        self._sent_rows: dict[str, PanelRow] = {}
+        self._sent_state: protocol.PanelState | None = None
+        self._sent_rows: dict[str, protocol.PanelRow] = {}
         # The pages with an open panel. Only these receive new rows, because computing them is slow.
         self._row_watchers: set[str] = set()
         # Wall-clock time of the last message [s].
@@ -471,21 +437,21 @@ class Desk:
 
     def _on_order(self, content: Mapping[str, Any]) -> None:
         """Execute an order of the page; an error is shown there."""
-        self._orders.notice = Notice()
-        order: Order | None = None
+        self._orders.notice = protocol.Notice()
+        order: protocol.Order | None = None
         try:
-            order = from_json(AnyOrder, content)
-            if isinstance(order, OpenPanels):
+            order = from_json(protocol.AnyOrder, content)
+            if isinstance(order, protocol.OpenPanels):
                 self._sent_state, self._sent_rows = None, {}
-            elif isinstance(order, WatchRows):
+            elif isinstance(order, protocol.WatchRows):
                 change = self._row_watchers.add if order.watched else self._row_watchers.discard
                 change(str(content.get("page", "")))
             else:
                 self._orders.carry_out(order)
         except Exception as error:
             # The page shows all errors, including errors of the kit.
-            self._orders.notice = Notice("error", describe(error))
-        if isinstance(order, UseControl) and order.event == "move":
+            self._orders.notice = protocol.Notice("error", describe(error))
+        if isinstance(order, protocol.UseControl) and order.event == "move":
             # These orders are frequent, so updates are throttled.
             self.refresh()
         else:
@@ -525,12 +491,14 @@ class Desk:
                 name: value for name, value in now.items() if value != getattr(sent, name, None)
             }
             changed_rows = {key: row for key, row in rows.items() if row != self._sent_rows.get(key)}
-            news = PanelNews(changed_fields, changed_rows, tuple(self._sent_rows.keys() - rows.keys()))
+            news = protocol.PanelNews(
+                changed_fields, changed_rows, tuple(self._sent_rows.keys() - rows.keys())
+            )
             self._sent_state, self._sent_rows = state, rows
             if changed_fields or changed_rows or news.gone:
                 self._link.post({"type": "desk", **to_json(news)})
 
-    def full_state(self) -> tuple[PanelState, dict[str, PanelRow]]:
+    def full_state(self) -> tuple[protocol.PanelState, dict[str, protocol.PanelRow]]:
         """Return the complete state of the panels, and its rows."""
         session = self._session
         tree, view, tools = display_rows(session), view_rows(session), tool_rows(session)
@@ -543,7 +511,7 @@ class Desk:
         tree: tuple[str, ...],
         view: tuple[str, ...],
         tools: tuple[str, ...],
-    ) -> PanelState:
+    ) -> protocol.PanelState:
         """Return the state of the panels.
 
         Args:
@@ -565,27 +533,27 @@ class Desk:
         if worst and level != "ok":
             more = f" (and {len(worst) - 1} more)" if len(worst) > 1 else ""
             status = f"{worst[0].display}: {worst[0].text}{more}"
-        return PanelState(
+        return protocol.PanelState(
             tree=tree,
             view=view,
             tools=tools,
-            toolbar=tuple(ToolButton(tool.label, tool.key, tool.gesture) for tool in session.tools),
+            toolbar=tuple(protocol.ToolButton(tool.label, tool.key, tool.gesture) for tool in session.tools),
             settings=settings_of(session.tools),
             drag=session.view.drag_rules(),
-            views=ViewChoice(repr(session.view), tuple(VIEWS), view_names),
-            status=StatusLine(mark_of(level), status),
+            views=protocol.ViewChoice(repr(session.view), tuple(VIEWS), view_names),
+            status=protocol.StatusLine(mark_of(level), status),
             notice=orders.notice,
             selection=orders.selection,
-            types=tuple(AddableType(name, short_name(name)) for name in (*sorted(REGISTRY), GROUP)),
+            types=tuple(protocol.AddableType(name, short_name(name)) for name in (*sorted(REGISTRY), GROUP)),
             topics=self._topics(),
             handles=tuple(display.handles for display in handles(session)),
             menu=orders.menu,
             frames=tuple(sorted({session.fixed_frame, *session.context.frames.buffer.frames()})),
-            layouts=Layouts(orders.file, layouts),
+            layouts=protocol.Layouts(orders.file, layouts),
             summary=session.summary(),
         )
 
-    def _topics(self) -> tuple[AddableTopic, ...]:
+    def _topics(self) -> tuple[protocol.AddableTopic, ...]:
         """Return the topics with messages or publishers, with each display class for them."""
         types_by_topic = dict(self._session.types)
         if self._graph:
@@ -594,7 +562,7 @@ class Desk:
             }
         types = [(name, getattr(display, "type_name", "")) for name, display in REGISTRY.items()]
         addable = (
-            AddableTopic(topic, kind, name)
+            protocol.AddableTopic(topic, kind, name)
             for topic, kind in types_by_topic.items()
             for name, takes in types
             if takes == kind

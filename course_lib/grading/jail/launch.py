@@ -26,14 +26,7 @@ from typing import Any, Literal
 import course_lib
 from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
-from course_lib.grading.jail.filters import (
-    KEEP_CAPABILITIES,
-    Isolation,
-    drop_capabilities,
-    enter_root,
-    prctl,
-    use_capabilities,
-)
+from course_lib.grading.jail import filters
 from course_lib.grading.run.outcome import Excess, Usage
 from course_lib.third_party import read_json
 
@@ -369,13 +362,13 @@ def _move(place: JailEnvironment, read: Sequence[str], links: Sequence[tuple[str
         _change_user(place)
     if place.root == "own":
         visible_paths = [*read, *filter(os.path.exists, DEVICES)]
-        enter_root(visible_paths, place.listed, links, place.scratch)
+        filters.enter_root(visible_paths, place.listed, links, place.scratch)
 
 
 def _try(place: JailEnvironment, read: Sequence[str], links: Sequence[tuple[str, str]]) -> None:
     _move(place, read, links)
     if place.user != "same":
-        drop_capabilities()
+        filters.drop_capabilities()
         unreadable = [path for path in read if not os.access(path, os.R_OK, effective_ids=True)]
         if unreadable:
             raise OSError(f"another user can't read {unreadable[0]}")
@@ -388,11 +381,11 @@ def _change_user(place: JailEnvironment) -> None:
     if place.user == "real":
         os.setresuid(user, -1, -1)
         return
-    prctl(KEEP_CAPABILITIES, 1)
+    filters.prctl(filters.KEEP_CAPABILITIES, 1)
     os.setgroups([])
     os.setresgid(user, user, user)
     os.setresuid(user, user, user)
-    use_capabilities()
+    filters.use_capabilities()
 
 
 START_SECONDS = 60.0  # [s] timeout of the template's imports on a busy machine
@@ -452,7 +445,7 @@ class TemplateProcess:
             self._control.settimeout(START_SECONDS)
             answer = self._control.recv(2**16)
             if answer:
-                self.isolation = Isolation(tuple(read_json(answer)))
+                self.isolation = filters.Isolation(tuple(read_json(answer)))
                 break
             output = self._process.communicate()[0].decode("utf-8", "replace")
             self._control.close()

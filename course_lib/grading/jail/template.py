@@ -23,22 +23,7 @@ from pathlib import Path
 from select import select
 
 from course_lib.course.course_file import Limits
-from course_lib.grading.jail.filters import (
-    CHILD_SUBREAPER,
-    DUMPABLE,
-    EVERY,
-    NO_NEW_PRIVILEGES,
-    apply_limits,
-    check_memory,
-    drop_capabilities,
-    enter_namespaces,
-    filter_calls,
-    mount_files,
-    prctl,
-    resident_bytes,
-    restrict_files,
-    stop_writing,
-)
+from course_lib.grading.jail import filters
 from course_lib.grading.jail.launch import DEVICES, HOMES, JailEnvironment, settle, works
 from course_lib.grading.run.outcome import Excess, Usage, wait_any_child
 from course_lib.grading.run.worker import Worker, warm_up
@@ -55,8 +40,8 @@ def working_layers(place: JailEnvironment, off: Collection[str]) -> list[str]:
     tries: dict[str, Callable[[], None]] = {
         "namespaces": lambda: _enter_namespaces(place, Limits()),
         "Landlock": lambda: _restrict_files(place, place.scratch),
-        "seccomp": filter_calls,
-        "limits": lambda: apply_limits(Limits(), counts_from_zero=False),
+        "seccomp": filters.filter_calls,
+        "limits": lambda: filters.apply_limits(Limits(), counts_from_zero=False),
     }
     # Namespaces alone do not hide the machine's files.
     if place.root == "host":
@@ -87,29 +72,29 @@ def enter_jail(place: JailEnvironment, layers: Collection[str], limits: Limits) 
     tempfile.tempdir = None
     if "limits" in layers:
         counts_from_zero = "namespaces" in layers or place.user != "same"
-        apply_limits(limits, counts_from_zero=counts_from_zero)
+        filters.apply_limits(limits, counts_from_zero=counts_from_zero)
     if platform.system() == "Linux":
         # An additional protection if the system supports it.
         with suppress(OSError):
-            drop_capabilities()
-            prctl(DUMPABLE, 0)
-            prctl(NO_NEW_PRIVILEGES, 1)
+            filters.drop_capabilities()
+            filters.prctl(filters.DUMPABLE, 0)
+            filters.prctl(filters.NO_NEW_PRIVILEGES, 1)
     if "Landlock" in layers:
         _restrict_files(place, folder)
     if "seccomp" in layers:
-        filter_calls()
+        filters.filter_calls()
 
 
 def _enter_namespaces(place: JailEnvironment, limits: Limits) -> None:
-    enter_namespaces()
+    filters.enter_namespaces()
     first = os.fork()
     if first:
         os._exit(0)
-    mount_files(place.scratch, limits.scratch_megabytes)
+    filters.mount_files(place.scratch, limits.scratch_megabytes)
 
 
 def _restrict_files(place: JailEnvironment, folder: str) -> None:
-    restrict_files([*place.read, *DEVICES], [folder, os.devnull], place.listed)
+    filters.restrict_files([*place.read, *DEVICES], [folder, os.devnull], place.listed)
 
 
 def _require_process_limit(place: JailEnvironment, layers: Collection[str]) -> None:
@@ -143,8 +128,8 @@ class Template:
         self._excess: Excess | None = None
         # Only Linux has these operations.
         with suppress(OSError):
-            prctl(CHILD_SUBREAPER, 1)
-            prctl(DUMPABLE, 0)
+            filters.prctl(filters.CHILD_SUBREAPER, 1)
+            filters.prctl(filters.DUMPABLE, 0)
         self._layers = working_layers(place, off)
         gc.collect()
         self._is_watching = "limits" in self._layers and platform.system() == "Linux"
@@ -154,7 +139,7 @@ class Template:
         self._control.send(json.dumps(self._layers).encode())
         while True:
             # The kernel limits each process. Sums over all of them are checked while waiting.
-            interval = EVERY if self._submission and self._is_watching else None
+            interval = filters.EVERY if self._submission and self._is_watching else None
             while not select([self._control], [], [], interval)[0]:
                 self._limit_sums()
             message, descriptors, *_ = socket.recv_fds(self._control, 2**16, 2)
@@ -179,7 +164,7 @@ class Template:
 
     def _start(self, limits: Limits, descriptors: list[int]) -> None:
         if self._is_watching:
-            self._inherited_bytes = resident_bytes(os.getpid())
+            self._inherited_bytes = filters.resident_bytes(os.getpid())
         self._submission = os.fork()
         if self._submission == 0:
             try:
@@ -204,10 +189,12 @@ class Template:
 
     def _limit_sums(self) -> None:
         """Stop writing if all files are too large, and kill the submission if its memory is."""
-        excess = check_memory(os.getpid(), self._inherited_bytes, self._limits.memory_of_all_processes)
+        excess = filters.check_memory(
+            os.getpid(), self._inherited_bytes, self._limits.memory_of_all_processes
+        )
         # In namespaces, the scratch folder is in memory and has a size of its own.
         if "namespaces" not in self._layers:
-            files, too_many = stop_writing(self._place.scratch, self._limits.scratch_megabytes)
+            files, too_many = filters.stop_writing(self._place.scratch, self._limits.scratch_megabytes)
             self._usage += files
             excess = excess or too_many
         if excess:

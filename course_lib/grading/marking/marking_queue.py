@@ -21,6 +21,7 @@ from pygments.token import Token
 from course_lib.course.course_file import POINTS_PER_WEEK, CourseFile
 from course_lib.course.exercise import normalise
 from course_lib.errors import CourseError, did_you_mean
+from course_lib.grading import store
 from course_lib.grading.marks import (
     MarkedResult,
     MarkEntry,
@@ -37,16 +38,6 @@ from course_lib.grading.records import HandMark, ReceiptTime, Result, Submission
 from course_lib.grading.reports.report import report
 from course_lib.grading.reports.table import say, strip_control_characters
 from course_lib.grading.reports.tables import write_tables
-from course_lib.grading.store import (
-    Course,
-    catalog_of,
-    digest_of,
-    lock_folder,
-    marks_path,
-    result_path,
-    this_course,
-    writing,
-)
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.submissions.notebook import parse_notebook
 from course_lib.grading.submissions.roster import UNKNOWN
@@ -272,7 +263,7 @@ class MarkingQueue:
         """
         item = self.item(key)
         task, _, sha256 = self._read(item)
-        file = marks_path(self.out, item.student, item.exercise)
+        file = store.marks_path(self.out, item.student, item.exercise)
         add_marks(file, task, given, sha256=sha256, by=by, revision=revision)
 
     def _read(self, item: QueueItem) -> tuple[TaskResult, list[HandMark], str]:
@@ -285,7 +276,7 @@ class MarkingQueue:
     def _refresh(self) -> None:
         """Read each result that is new or has changed, with its marks."""
         for path in sorted((self.out / "results").glob("[!.]*/[!.]*.json")):
-            marks = marks_path(self.out, path.parent.name, path.stem)
+            marks = store.marks_path(self.out, path.parent.name, path.stem)
             stamps = (_stamp(path), _stamp(marks))
             if self._stamps.get(path) != stamps:
                 self._stamps[path] = stamps
@@ -322,7 +313,7 @@ def _item(task: TaskResult, result: MarkedResult, *, waits: bool) -> QueueItem:
     student, exercise, submission = result.student, result.exercise, result.result.submission
     by_person = any(mark.task == task.task for mark in standing_marks(result.marks))
     return QueueItem(
-        key=digest_of([student, exercise, task.task])[:20],
+        key=store.digest_of([student, exercise, task.task])[:20],
         student=student,
         exercise=exercise,
         task=task.task,
@@ -347,7 +338,7 @@ def mark_by_hand(
     row: str = "",
     comment: str = "",
     withdraw: bool = False,
-    course: Course | None = None,
+    course: store.Course | None = None,
 ) -> str:
     """Store the points of a grader, and return a line with the new mark.
 
@@ -370,12 +361,12 @@ def mark_by_hand(
     entry = (
         MarkEntry(None, row, withdraw=True) if withdraw else MarkEntry(_number(points), row, comment or None)
     )
-    catalog = catalog_of(course or this_course())
+    catalog = store.catalog_of(course or store.this_course())
     student = known_name(student, out / "results", "student")
     exercise = known_name(exercise, out / "results" / student, "exercise")
-    path = result_path(out, student, exercise)
-    with lock_folder(out, say), writing(out):
-        result, file = read_result(path).result, marks_path(out, student, exercise)
+    path = store.result_path(out, student, exercise)
+    with store.lock_folder(out, say), store.writing(out):
+        result, file = read_result(path).result, store.marks_path(out, student, exercise)
         tasks = {task_result.task: task_result for task_result in result.tasks}
         task = _find_task(task, tasks, f"{exercise} of {student}")
         (stored_mark,) = add_marks(file, tasks[task], [entry], sha256=result.submission.sha256)
@@ -395,7 +386,7 @@ def mark_without_file(
     *,
     comment: str = "",
     withdraw: bool = False,
-    course: Course | None = None,
+    course: store.Course | None = None,
 ) -> str:
     """Store a grader's points for work without a gradable file, such as an oral exam.
 
@@ -415,15 +406,15 @@ def mark_without_file(
             invalid.
     """
     entry = MarkEntry(None, withdraw=True) if withdraw else MarkEntry(_number(points), "", comment or None)
-    catalog = catalog_of(course or this_course())
+    catalog = store.catalog_of(course or store.this_course())
     weeks = {week: one for week, one in catalog.course.weeks.items() if one.points}
     week = normalise(exercise).removesuffix("_exercise")
     if week not in weeks:
         known_exercises = ", ".join(f"{one}_exercise" for one in weeks)
         raise CourseError(f"there is no exercise {exercise!r}; exercises with points: {known_exercises}")
     student, exercise = normalise(student), f"{week}_exercise"
-    path = result_path(out, student, exercise)
-    with lock_folder(out, say), writing(out):
+    path = store.result_path(out, student, exercise)
+    with store.lock_folder(out, say), store.writing(out):
         is_new = not path.is_file()
         result = _result_without_file(student, exercise) if is_new else read_result(path).result
         if result.judgement is not None and not withdraw:
@@ -433,7 +424,9 @@ def mark_without_file(
             )
         max_points = POINTS_PER_WEEK + sum(weeks[week].bonus.values())
         exercise_result = TaskResult("", f"{exercise} of {student}", max_points, False, ())
-        (stored_mark,) = add_marks(marks_path(out, student, exercise), exercise_result, [entry], sha256="")
+        (stored_mark,) = add_marks(
+            store.marks_path(out, student, exercise), exercise_result, [entry], sha256=""
+        )
         if is_new:
             result.write(out)
         report(result, out, catalog)

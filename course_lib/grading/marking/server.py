@@ -23,6 +23,7 @@ from tornado.web import Application, HTTPError, RequestHandler
 
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
+from course_lib.grading import store
 from course_lib.grading.marking.marking_queue import MarkingQueue, submitted_code
 from course_lib.grading.marks import MarkEntry, MarksConflictError, require_results, stored_result
 from course_lib.grading.records import Result
@@ -30,16 +31,6 @@ from course_lib.grading.reports.report import has_page, report, section_of
 from course_lib.grading.reports.scenes import shared_script
 from course_lib.grading.reports.table import fill, printable, strip_control_characters
 from course_lib.grading.reports.tables import write_tables
-from course_lib.grading.store import (
-    Course,
-    RecordsWriteError,
-    catalog_of,
-    lock_folder,
-    report_path,
-    result_path,
-    this_course,
-    writing,
-)
 from course_lib.host import hub_prefix, user_name
 from course_lib.third_party import read_json
 from course_lib.viewer.page_server import Guarded, bound
@@ -53,12 +44,12 @@ def find_stale(out: Path) -> list[Place]:
     """Return the students and exercises whose reports do not contain all graders' marks."""
     files = sorted((out / "marks").glob("[!.]*/[!.]*.json"))
     places = [(path.parent.name, path.stem) for path in files]
-    graded_places = [place for place in places if result_path(out, *place).is_file()]
+    graded_places = [place for place in places if store.result_path(out, *place).is_file()]
     return [place for place in graded_places if not has_page(_result(out, place), out)]
 
 
 def follow_marks(
-    out: Path, course: Course | None = None, waiting: Callable[[str], None] | None = None
+    out: Path, course: store.Course | None = None, waiting: Callable[[str], None] | None = None
 ) -> str:
     """Write the tables and the reports without all graders' marks, and return a line for the terminal.
 
@@ -73,9 +64,9 @@ def follow_marks(
         CourseError: The folder is in use, or a file in it is damaged.
     """
     require_results(out)
-    course = course or this_course()
-    with lock_folder(out, waiting), writing(out):
-        places, catalog = find_stale(out), catalog_of(course)
+    course = course or store.this_course()
+    with store.lock_folder(out, waiting), store.writing(out):
+        places, catalog = find_stale(out), store.catalog_of(course)
         # The tables come first, because they matter more than the pages.
         write_tables(out, catalog.course.zone)
         for place in places:
@@ -95,7 +86,7 @@ class Follower:
     in a main thread only.
     """
 
-    def __init__(self, out: Path, course: Course) -> None:
+    def __init__(self, out: Path, course: store.Course) -> None:
         self._arguments = tuple(map(str, (out, course.exercises, course.solutions)))
         self._due = asyncio.Event()
         self.state = ""
@@ -140,7 +131,7 @@ def main() -> None:
     with suppress(OSError):
         os.nice(GENTLE)
     try:
-        follow_marks(out, Course(exercises, solutions))
+        follow_marks(out, store.Course(exercises, solutions))
     except CourseError as error:
         sys.exit(str(error))
 
@@ -238,7 +229,7 @@ class MarkingState:
 
     queue: MarkingQueue
     follower: Follower
-    course: Course
+    course: store.Course
     port: int
     token: str = field(default_factory=lambda: secrets.token_urlsafe(24))
 
@@ -255,7 +246,7 @@ class MarkingState:
         """Return an item with its code and the URL of its scene."""
         details = self.queue.details(key)
         result = stored_result(self.queue.out, details["student"], details["exercise"])
-        task = catalog_of(self.course).tasks.get(details["task"])
+        task = store.catalog_of(self.course).tasks.get(details["task"])
         scene = f"/{self.url_secret(key)}/scene/{key}"
         return details | {
             "code": submitted_code(result.result.submission, self.queue.out, task),
@@ -298,7 +289,7 @@ class _JsonHandler(_MarkingHandler):
             content, code = await asyncio.get_running_loop().run_in_executor(None, call, *args), 200
         except MarksConflictError as error:
             content, code = {"error": str(error)}, 409
-        except RecordsWriteError as error:
+        except store.RecordsWriteError as error:
             content, code = {"error": str(error)}, 503
         except CourseError as error:
             content, code = {"error": str(error)}, 400
@@ -369,7 +360,9 @@ class SceneHandler(_SceneFileHandler):
         """Respond to GET."""
         try:
             item = self.desk.queue.item(key)
-            page = report_path(self.desk.queue.out, item.student, item.exercise).read_text("utf-8", "replace")
+            page = store.report_path(self.desk.queue.out, item.student, item.exercise).read_text(
+                "utf-8", "replace"
+            )
         except (CourseError, OSError):
             raise HTTPError(404) from None
         section = section_of(page, item.task)
@@ -405,7 +398,7 @@ def serve(
     *,
     port: int | None = None,
     browser: bool = True,
-    course: Course | None = None,
+    course: store.Course | None = None,
 ) -> None:
     """Serve the page for marking until Ctrl+C, then update reports and gradebook.
 
@@ -425,10 +418,10 @@ def serve(
             "run: course mark OUT --serve; or mark here: course mark OUT STUDENT EXERCISE TASK "
             "POINTS"
         )
-    course = course or this_course()
+    course = course or store.this_course()
     require_results(out)
     # Errors in the course's files are reported before the page opens.
-    catalog_of(course)
+    store.catalog_of(course)
     try:
         with suppress(KeyboardInterrupt):
             asyncio.run(_serve(out, port, browser, course))
@@ -438,7 +431,7 @@ def serve(
     _print_line(follow_marks(out, course, _print_line))
 
 
-async def _serve(out: Path, port: int | None, browser: bool, course: Course) -> None:
+async def _serve(out: Path, port: int | None, browser: bool, course: store.Course) -> None:
     sockets = _sockets(port)
     follower = Follower(out, course)
     desk = MarkingState(MarkingQueue(out), follower, course, sockets[0].getsockname()[1])
@@ -467,7 +460,7 @@ def _announce(desk: MarkingState, browser: bool) -> None:
     A browser gets it in a private file, because command lines are visible to all users.
     """
     path, text = desk.queue.out / ADDRESS, f'<meta http-equiv="refresh" content="0; url={desk.address}">'
-    with writing(desk.queue.out):
+    with store.writing(desk.queue.out):
         write_atomically(path, text.encode(), PRIVATE)
     _print_line(f"Mark {os.fspath(desk.queue.out)} at {desk.address}\nCtrl+C stops the server.")
     if browser:

@@ -11,24 +11,12 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
+from course_lib.grading import store
 from course_lib.grading.marks import MarkedResult, read_marks, require_results, results_in, task_mark
 from course_lib.grading.records import HandMark, Result, TaskResult
 from course_lib.grading.reports.scenes import figures, shared_script
 from course_lib.grading.reports.table import Row, fill, join_few, printable, say, scored_rows
 from course_lib.grading.run.run import Run, plan_scenarios, unpack
-from course_lib.grading.store import (
-    Course,
-    catalog_of,
-    digest_of,
-    evidence_path,
-    final_exercises,
-    final_path,
-    lock_folder,
-    marks_path,
-    report_path,
-    this_course,
-    writing,
-)
 from course_lib.grading.submissions.notebook import full_exercise_name
 from course_lib.grading.submissions.readers import Platform, PlatformName, platform_name
 from course_lib.grading.task import Catalog
@@ -53,7 +41,8 @@ def report(result: Result, out: Path, catalog: Catalog) -> None:
     tasks = _sections(result, marks, out, catalog)
     script = shared_script(out / "reports") if any(task["figures"] for task in tasks) else ""
     page = _page(result, marks, out, catalog, tasks, script=script)
-    write_atomically(report_path(out, result.submission.student, result.submission.exercise), page)
+    student, exercise = result.submission.student, result.submission.exercise
+    write_atomically(store.report_path(out, student, exercise), page)
 
 
 def standalone(result: Result, out: Path, catalog: Catalog) -> bytes:
@@ -92,7 +81,7 @@ def _max_scene_size(sizes: Sequence[int], room: int) -> int:
 
 def _hand_marks(result: Result, out: Path) -> list[HandMark]:
     """Return the points of graders."""
-    return read_marks(marks_path(out, result.submission.student, result.submission.exercise))
+    return read_marks(store.marks_path(out, result.submission.student, result.submission.exercise))
 
 
 def _page(
@@ -142,8 +131,8 @@ def _page(
 
 
 def _page_digest(result: Result, marks: Iterable[HandMark], out: Path) -> str:
-    is_final = result.submission.exercise in final_exercises(out)
-    return digest_of([result.digest, [asdict(mark) for mark in marks], is_final])
+    is_final = result.submission.exercise in store.final_exercises(out)
+    return store.digest_of([result.digest, [asdict(mark) for mark in marks], is_final])
 
 
 def section_of(page: str, task: str) -> str:
@@ -155,7 +144,7 @@ def section_of(page: str, task: str) -> str:
 def has_page(result: Result, out: Path) -> bool:
     """Return whether the page exists for this result and the current points."""
     digest = _page_digest(result, _hand_marks(result, out), out)
-    path = report_path(out, result.submission.student, result.submission.exercise)
+    path = store.report_path(out, result.submission.student, result.submission.exercise)
     try:
         with path.open(encoding="utf-8") as file:
             return digest in file.read(HEAD)
@@ -169,7 +158,7 @@ def _runs(result: Result, out: Path, catalog: Catalog) -> tuple[Run, ...]:
         return ()
     tasks = catalog.of_week(result.submission.exercise.split("_")[0])
     try:
-        packed_evidence = evidence_path(out, result.submission.key).read_bytes()
+        packed_evidence = store.evidence_path(out, result.submission.key).read_bytes()
         return unpack(packed_evidence, plan_scenarios(tasks, catalog, hidden=True)).runs
     except (OSError, CourseError):
         return ()
@@ -187,7 +176,7 @@ def _sections(
         return []
     runs = _runs(result, out, catalog)
     share = MAX_SCENES // (2 * len(judgement.tasks)) if share is None else share
-    is_final = result.submission.exercise in final_exercises(out)
+    is_final = result.submission.exercise in store.final_exercises(out)
     return [_section(task, runs, catalog, share, is_final=is_final) for task in judgement.tasks]
 
 
@@ -272,7 +261,7 @@ def feedback(
     *,
     exercise: str = "",
     students: Collection[str] | None = None,
-    course: Course | None = None,
+    course: store.Course | None = None,
 ) -> list[str]:
     """Write OUT/feedback/EXERCISE_LMS.zip for each exercise, and return lines for the terminal.
 
@@ -290,7 +279,7 @@ def feedback(
     if lms not in FORMATS:
         raise CourseError(f"--lms {lms}: expected one of {', '.join(FORMATS)}")
     form = FORMATS[lms]
-    course = course or this_course()
+    course = course or store.this_course()
     results = _select_results(out, exercise, students)
     lines, ready = _find_reports(out, form, results)
     wrote = []
@@ -298,11 +287,11 @@ def feedback(
         path = out / "feedback" / f"{exercise}_{lms}.zip"
         files = {}
         for name, (result, platform_file) in group.items():
-            page = standalone(result, out, catalog_of(course))
+            page = standalone(result, out, store.catalog_of(course))
             # Canvas gives the report the suffix of the submitted file.
             in_zip = lms == "canvas" and _suffix(platform_file) == ".zip"
             files[name] = _zip({f"{exercise}.html": page}) if in_zip else page
-        with writing(out):
+        with store.writing(out):
             write_atomically(path, _zip(files))
         size = path.stat().st_size / 1e6
         wrote.append(f"Wrote {path}: {format_count(len(files), 'report')}, {size:.1f} MB. {form.menu}")
@@ -422,7 +411,7 @@ OPEN = ("needs_marking", "grader_error")
 
 
 def show_hidden_checks(
-    out: Path, exercise: str, *, is_final: bool = True, course: Course | None = None
+    out: Path, exercise: str, *, is_final: bool = True, course: store.Course | None = None
 ) -> str:
     """Write the reports of an exercise with or without hidden checks, now and in the future.
 
@@ -439,8 +428,8 @@ def show_hidden_checks(
     """
     require_results(out)
     exercise = full_exercise_name(exercise)
-    catalog = catalog_of(course or this_course())
-    with lock_folder(out, say), writing(out):
+    catalog = store.catalog_of(course or store.this_course())
+    with store.lock_folder(out, say), store.writing(out):
         every = list(results_in(out))
         results = [one for one in every if one.exercise == exercise]
         if not results:
@@ -452,8 +441,9 @@ def show_hidden_checks(
                 f"{format_count(len(waiting), 'open mark')} of {exercise} "
                 f"({join_few(waiting)}): mark or grade them first; gradebook.csv has the reasons"
             )
-        exercises = final_exercises(out) - {exercise} | ({exercise} if is_final else set())
-        write_atomically(final_path(out), "".join(f"{one}\n" for one in sorted(exercises)).encode())
+        exercises = store.final_exercises(out) - {exercise} | ({exercise} if is_final else set())
+        content = "".join(f"{one}\n" for one in sorted(exercises))
+        write_atomically(store.final_path(out), content.encode())
         for one in results:
             report(one.result, out, catalog)
     effect = "show hidden checks" if is_final else "hide hidden checks again"

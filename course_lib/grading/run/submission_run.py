@@ -45,19 +45,8 @@ from course_lib.grading.run.outcome import (
     still_running_message,
 )
 from course_lib.grading.task import Message, Scenario, Task, resolve
+from course_lib.ros.graph import remote
 from course_lib.ros.graph.graph import START_NS, Graph, Sample
-from course_lib.ros.graph.remote import (
-    IMAGE_TYPES,
-    Channel,
-    ChannelClosedError,
-    ChannelError,
-    ChannelTimeoutError,
-    FrameSizeError,
-    GraphServer,
-    MemoryLimitError,
-    RecordingBudget,
-    RecordingLimitError,
-)
 from course_lib.ros.graph.topics import OWN_TOPICS, SERVICE_HEADER, SERVICE_TOPICS, Qos
 from course_lib.ros.messages import deserialize, message_class, serialize
 from course_lib.ros.time import wall
@@ -154,14 +143,14 @@ class WorkerProcess:
         self.excess: Excess | None = None
         imports = [module for word, module in HEAVY.items() if any(word in cell for cell in cells)]
         connection, output = template.start(limits, imports)
-        self.channel = Channel(connection)
+        self.channel = remote.Channel(connection)
         self._output = Output(output, round(limits.output_kilobytes * 1000))
         self.waiting = WaitingTime(template.pid, limits.cell_seconds)  # from the start of the worker
         self.channel.overtime = self.waiting.extend
         self.allow(START_SECONDS)
         try:
             problem = self.channel.receive()[1:]
-        except ChannelError as error:
+        except remote.ChannelError as error:
             problem = [str(error)]
         if problem != [""]:
             worker_output = self.take_output()
@@ -327,7 +316,7 @@ class ScenarioGraph:
             MemoryLimitError: The evidence exceeds its limit.
         """
         if self.kept + size > self._room:
-            raise MemoryLimitError(
+            raise remote.MemoryLimitError(
                 "messages and returned values exceed the limit of a submission "
                 f"({MOST_EVIDENCE // 2**20} MB for all of its tasks), so it was stopped"
             )
@@ -392,7 +381,7 @@ class ImageLimit:
 
     def limit_size(self, sample: Sample) -> Sample:
         """Return the sample, without its pixels if they exceed the limit."""
-        if sample.type_name not in IMAGE_TYPES:
+        if sample.type_name not in remote.IMAGE_TYPES:
             return sample
         self._bytes_by_topic[sample.topic] += len(sample.cdr)
         if self._bytes_by_topic[sample.topic] > ROOM or self._kept_bytes + len(sample.cdr) > self._max_bytes:
@@ -427,7 +416,7 @@ MOST_CPU = 1e6  # [s] plausible maximum of a scenario's CPU time
 ENDED_EARLY = "the process ended before the program did (os._exit, a crash, or killed)"
 
 
-class CrowdedError(ChannelError):
+class CrowdedError(remote.ChannelError):
     """Raised if a cell used up all processes of a submission, because each scenario needs one."""
 
 
@@ -567,8 +556,8 @@ class SubmissionRun:
                     case ["crowded"]:
                         raise CrowdedError("no further process could be started")
                     case _:
-                        raise ChannelError("the worker did not report the next cell")
-        except ChannelError as error:
+                        raise remote.ChannelError("the worker did not report the next cell")
+        except remote.ChannelError as error:
             if current < 0 and self._remaining_cell_time() <= 0:
                 # The time expired during the start of the worker.
                 return False
@@ -579,7 +568,7 @@ class SubmissionRun:
             match error:
                 case _ if worker.excess:
                     met, why = worker.excess.limit, f"was stopped: {worker.excess.message}"
-                case ChannelTimeoutError():
+                case remote.ChannelTimeoutError():
                     met, why = "time", f"was stopped after {limit:g} s"
                 case CrowdedError():
                     met, why = "processes", f"was stopped: it left so many processes running that {error}"
@@ -605,19 +594,19 @@ class SubmissionRun:
         worker.allow(seconds)
         try:
             worker.channel.send(["scenario", *order, stage.graph.end_ns, stage.graph.last_id])
-            outcome = _drive(worker.channel, stage, RecordingBudget.for_duration(stage.seconds))
+            outcome = _drive(worker.channel, stage, remote.RecordingBudget.for_duration(stage.seconds))
             return outcome, find_exceeded_limit(outcome.errors)
-        except ChannelError as error:
+        except remote.ChannelError as error:
             # After an error, further messages of this worker cannot be interpreted.
             self._worker = None
             match error:
-                case ChannelTimeoutError():
+                case remote.ChannelTimeoutError():
                     return Outcome(errors=[still_running_message(seconds)]), "time"
-                case ChannelClosedError():
+                case remote.ChannelClosedError():
                     return Outcome(errors=[ENDED_EARLY]), ""
-                case MemoryLimitError():
+                case remote.MemoryLimitError():
                     return Outcome(errors=[str(error)]), "memory"
-                case RecordingLimitError() | FrameSizeError():
+                case remote.RecordingLimitError() | remote.FrameSizeError():
                     return Outcome(errors=[str(error)]), "size"
             return Outcome(errors=[str(error)]), ""
 
@@ -627,13 +616,13 @@ def find_exceeded_limit(errors: Sequence[str]) -> str:
     return next((LIMITS_MET[start] for e in errors for start in LIMITS_MET if e.startswith(start)), "")
 
 
-def _drive(channel: Channel, stage: ScenarioGraph, room: RecordingBudget) -> Outcome:
+def _drive(channel: remote.Channel, stage: ScenarioGraph, room: remote.RecordingBudget) -> Outcome:
     """Run the scenario's clock in lock-step with the worker's child until the child ends.
 
     Raises:
         ChannelError: The worker sent an invalid message.
     """
-    server = GraphServer(stage.graph, channel, room)
+    server = remote.GraphServer(stage.graph, channel, room)
     server.serve()
     while server.last_frame is None and stage.graph.advance():
         pass
@@ -644,16 +633,16 @@ def _drive(channel: Channel, stage: ScenarioGraph, room: RecordingBudget) -> Out
                 case ["exit", int(), float(seconds)] if 0 <= seconds <= MOST_CPU:
                     stage.keep(size_of(returns))
                     return Outcome(returns, _limit_texts(errors), seconds)
-            raise ChannelError("the worker sent more data after the result")
+            raise remote.ChannelError("the worker sent more data after the result")
         case ["exit", int(), float()]:
             return Outcome(errors=[ENDED_EARLY])
-    raise ChannelError("the worker did not send a valid result")
+    raise remote.ChannelError("the worker did not send a valid result")
 
 
 def _limit_texts(texts: list[Any]) -> list[str]:
     """Limit the number and the length of the worker's strings."""
     if not all(isinstance(text, str) for text in texts):
-        raise ChannelError("the worker sent errors that are not strings")
+        raise remote.ChannelError("the worker sent errors that are not strings")
     return [text[: 2 * MAX_LENGTH] for text in texts[:MAX_ERRORS]]
 
 

@@ -26,6 +26,7 @@ from course_lib.course.state import exercises_dir
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
 from course_lib.grading.reports.table import escape_formula, printable
+from course_lib.grading.submissions import readers
 from course_lib.grading.submissions.archives import ReceivedFile, ReceivedFileReader, list_paths, path_problem
 from course_lib.grading.submissions.notebook import (
     claimed_id,
@@ -33,23 +34,6 @@ from course_lib.grading.submissions.notebook import (
     full_exercise_name,
     is_notebook_name,
     parse_notebook,
-)
-from course_lib.grading.submissions.readers import (
-    FOLDERS,
-    GRADESCOPE,
-    METADATA,
-    NBGRADER,
-    SAKAI,
-    STAMP,
-    DownloadName,
-    Layout,
-    add_blackboard_title,
-    choose_layout,
-    gradescope_records,
-    id_of,
-    is_zip,
-    sakai_key,
-    sakai_time,
 )
 from course_lib.grading.submissions.roster import (
     COLUMNS,
@@ -89,7 +73,7 @@ class DownloadedFile:
     """
 
     components: tuple[str, ...]
-    download_name: DownloadName
+    download_name: readers.DownloadName
     kind: Kind = "working"
     exercise: str = ""
     claimed: str | None = None
@@ -118,11 +102,11 @@ class Choice:
     """
 
     kept: list[DownloadedFile] = field(default_factory=list)
-    rejected: dict[str, tuple[DownloadName, str, str]] = field(default_factory=dict)
+    rejected: dict[str, tuple[readers.DownloadName, str, str]] = field(default_factory=dict)
     lines: list[str] = field(default_factory=list)
 
 
-def inspect_file(arrival: ReceivedFile, download_name: DownloadName) -> DownloadedFile:
+def inspect_file(arrival: ReceivedFile, download_name: readers.DownloadName) -> DownloadedFile:
     """Determine the kind, the exercise and the ID of a downloaded file.
 
     Raises:
@@ -132,7 +116,7 @@ def inspect_file(arrival: ReceivedFile, download_name: DownloadName) -> Download
     # In the student's part of a name, ".." can become a path component.
     if problem := path_problem(download_name.below):
         raise CourseError(problem)
-    if is_zip(name):
+    if readers.is_zip(name):
         try:
             data, receipt = read_packed_zip(arrival.data, name)
         except CourseError as error:
@@ -159,7 +143,9 @@ def inspect_file(arrival: ReceivedFile, download_name: DownloadName) -> Download
     return DownloadedFile(arrival.components, download_name)
 
 
-def _notebook(arrival: ReceivedFile, download_name: DownloadName, data: bytes, name: str) -> DownloadedFile:
+def _notebook(
+    arrival: ReceivedFile, download_name: readers.DownloadName, data: bytes, name: str
+) -> DownloadedFile:
     try:
         notebook = parse_notebook(data, name)
     except CourseError as error:
@@ -179,8 +165,8 @@ def _notebook(arrival: ReceivedFile, download_name: DownloadName, data: bytes, n
 
 def choose(
     items: Sequence[DownloadedFile],
-    refused: Iterable[tuple[DownloadName, str, str]],
-    layout: Layout,
+    refused: Iterable[tuple[readers.DownloadName, str, str]],
+    layout: readers.Layout,
     exercise: str,
 ) -> Choice:
     """Choose the files to keep.
@@ -202,7 +188,7 @@ def choose(
     by_owner = defaultdict[str, list[DownloadedFile]](list)
     for item in items:
         by_owner[item.owner].append(item)
-    problems = defaultdict[str, list[tuple[DownloadName, str, str]]](list)
+    problems = defaultdict[str, list[tuple[readers.DownloadName, str, str]]](list)
     for download_name, name, why in refused:
         problems[download_name.key].append((download_name, name, why))
     for owner in sorted({*by_owner, *problems}):
@@ -212,7 +198,7 @@ def choose(
 
 def _choose_for_owner(
     items: Sequence[DownloadedFile],
-    refused: Sequence[tuple[DownloadName, str, str]],
+    refused: Sequence[tuple[readers.DownloadName, str, str]],
     exercise: str,
     choice: Choice,
 ) -> None:
@@ -252,7 +238,7 @@ def _choose_for_owner(
         choice.rejected[f"{download_name.key}/{one}"] = (download_name, one, why)
 
 
-def _expected_exercise(download_name: DownloadName, exercise: str) -> str:
+def _expected_exercise(download_name: readers.DownloadName, exercise: str) -> str:
     """Return the effective exercise of a file.
 
     The title of its assignment may override the given one.
@@ -291,7 +277,7 @@ def _lines(items: Iterable[DownloadedFile], exercise: str) -> list[str]:
     return lines
 
 
-def _exercise_of(notebooks: Sequence[DownloadedFile], layout: Layout) -> str:
+def _exercise_of(notebooks: Sequence[DownloadedFile], layout: readers.Layout) -> str:
     """Return the exercise of a download, or "" if it cannot be determined.
 
     It is the only one that students have worked on, else the only one that every student submitted.
@@ -369,13 +355,13 @@ def _may_have_several_owners(group: Sequence[DownloadedFile]) -> bool:
     return len(folders) > 1 or len(names) > 1
 
 
-def _reject_shared_owners(notebooks: Sequence[DownloadedFile], layout: Layout) -> None:
+def _reject_shared_owners(notebooks: Sequence[DownloadedFile], layout: readers.Layout) -> None:
     """Reject a download in which one folder seems to contain files of several students.
 
     Raises:
         CourseError: The message has the folder, the IDs, and options to pass.
     """
-    if layout.name != FOLDERS or layout.is_chosen:
+    if layout.name != readers.FOLDERS or layout.is_chosen:
         return
     groups = defaultdict[tuple[str, str], list[DownloadedFile]](list)
     for item in notebooks:
@@ -475,11 +461,11 @@ class Exports:
     ids: Mapping[str, str] = field(default_factory=dict)
     times: Sequence[Times] = ()
 
-    def id_of(self, download_name: DownloadName) -> str:
+    def id_of(self, download_name: readers.DownloadName) -> str:
         """Return the student's ID in the roster, or ""."""
         return next((self.ids[key] for key in download_name.keys if key in self.ids), "")
 
-    def time(self, download_name: DownloadName) -> tuple[datetime | None, str]:
+    def time(self, download_name: readers.DownloadName) -> tuple[datetime | None, str]:
         """Return the time of submission and its source: the export or platform."""
         keys = (download_name.key, *download_name.keys)
         known_times = ((t.of(key, download_name.attachment), t.source) for t in self.times for key in keys)
@@ -494,7 +480,7 @@ class Download:
     """A platform's download: its path, its layout, and whether all its folders are in a single one."""
 
     source: Path
-    layout: Layout
+    layout: readers.Layout
     is_wrapped: bool = False
 
     def owner(self, path: tuple[str, ...]) -> str:
@@ -502,7 +488,7 @@ class Download:
 
         If all folders are in a single one, each of them may be a student.
         """
-        if self.is_wrapped and len(path) > 2 and not is_zip(path[1]):
+        if self.is_wrapped and len(path) > 2 and not readers.is_zip(path[1]):
             return "/".join(path[:2])
         return self.layout.owner(path)
 
@@ -579,30 +565,34 @@ def collect(
 def _download(source: Path, zone: ZoneInfo, layout: str) -> Download:
     """Determine the layout of a download from its file names, and read the platform's list of owners."""
     paths = list_paths(source)
-    if source.is_dir() and len(paths) == 1 and len(paths[0]) == 1 and is_zip(paths[0][0]):
+    if source.is_dir() and len(paths) == 1 and len(paths[0]) == 1 and readers.is_zip(paths[0][0]):
         inner = source / paths[0][0]
         if not layout and _is_download(inner, zone):
             source, paths = inner, list_paths(inner)
     if not paths:
-        return Download(source, Layout(FOLDERS, zone))
-    download_layout = choose_layout(paths, source.name, zone, layout)
+        return Download(source, readers.Layout(readers.FOLDERS, zone))
+    download_layout = readers.choose_layout(paths, source.name, zone, layout)
     if download_layout.name == "blackboard":
-        download_layout = add_blackboard_title(download_layout, paths)
-    if download_layout.name == GRADESCOPE:
+        download_layout = readers.add_blackboard_title(download_layout, paths)
+    if download_layout.name == readers.GRADESCOPE:
         metadata_files = [
-            *_read_extras(source, lambda path: download_layout.is_extra(path) and path[-1] == METADATA)
+            *_read_extras(
+                source, lambda path: download_layout.is_extra(path) and path[-1] == readers.METADATA
+            )
         ]
         if not metadata_files:
             raise CourseError(
-                f"{source} has Gradescope's folders, but not {METADATA}, which has the students. "
+                f"{source} has Gradescope's folders, but not {readers.METADATA}, which has the students. "
                 "Pass the whole export: Export Submissions"
             )
-        download_layout = replace(download_layout, records=gradescope_records(metadata_files[0].data, zone))
-    if download_layout.name == SAKAI:
-        stamps = _read_extras(source, lambda path: bool(sakai_key(path)))
-        times = {sakai_key(one.components): {"time": sakai_time(one.data)} for one in stamps}
+        download_layout = replace(
+            download_layout, records=readers.gradescope_records(metadata_files[0].data, zone)
+        )
+    if download_layout.name == readers.SAKAI:
+        stamps = _read_extras(source, lambda path: bool(readers.sakai_key(path)))
+        times = {readers.sakai_key(one.components): {"time": readers.sakai_time(one.data)} for one in stamps}
         download_layout = replace(download_layout, records=times)
-    is_wrapped = download_layout.name == FOLDERS and len({path[0] for path in paths}) == 1
+    is_wrapped = download_layout.name == readers.FOLDERS and len({path[0] for path in paths}) == 1
     return Download(
         source, download_layout, is_wrapped and len({path[1] for path in paths if len(path) > 2}) > 1
     )
@@ -612,7 +602,7 @@ def _is_download(path: Path, zone: ZoneInfo) -> bool:
     """Return whether a zip file that is alone in a folder is a platform's download, not a submission."""
     try:
         paths = list_paths(path)
-        return bool(paths) and choose_layout(paths, path.name, zone).name != FOLDERS
+        return bool(paths) and readers.choose_layout(paths, path.name, zone).name != readers.FOLDERS
     except CourseError:
         return False
 
@@ -623,11 +613,11 @@ def _read_extras(source: Path, is_wanted: Callable[[tuple[str, ...]], bool]) -> 
 
 def _inspect_all(
     download: Download, collection: Collection
-) -> tuple[list[DownloadedFile], list[tuple[DownloadName, str, str]]]:
+) -> tuple[list[DownloadedFile], list[tuple[readers.DownloadName, str, str]]]:
     """Return the files of a download and the rejected files of known owners, without storing anything."""
     items, refused, unsafe = (
         list[DownloadedFile](),
-        list[tuple[DownloadName, str, str]](),
+        list[tuple[readers.DownloadName, str, str]](),
         list[tuple[str, str]](),
     )
     for arrival in download.arrivals(collection, unsafe):
@@ -652,12 +642,16 @@ def _inspect_all(
     return items, refused
 
 
-def _is_stamp(arrival: ReceivedFile, layout: Layout) -> bool:
+def _is_stamp(arrival: ReceivedFile, layout: readers.Layout) -> bool:
     """Return whether a file is nbgrader's time stamp.
 
     On other platforms, a student may use its name.
     """
-    if layout.name != NBGRADER or arrival.components[-1] != STAMP or any(map(is_zip, arrival.components)):
+    if (
+        layout.name != readers.NBGRADER
+        or arrival.components[-1] != readers.STAMP
+        or any(map(readers.is_zip, arrival.components))
+    ):
         return False
     try:
         return len(layout.read(arrival.components).below) == STAMP_DEPTH
@@ -693,7 +687,7 @@ def _read_exports(
         )
         return Exports()
     tables = [path for path in (roster, *times) if path and path.suffix.lower() != ".json"]
-    if download.layout.name == FOLDERS and tables and not any(has_key(path, keys) for path in tables):
+    if download.layout.name == readers.FOLDERS and tables and not any(has_key(path, keys) for path in tables):
         collection.notes.add("note: no table has the names of the folders, so the exports are ignored")
         return Exports()
     time_tables = [table for path in times if (table := read_times(path, zone, keys))]
@@ -723,7 +717,7 @@ def _time_note(times: Times, zone: ZoneInfo) -> str:
     )
 
 
-def _reject_collisions(files: Iterable[DownloadName], exports: Exports) -> None:
+def _reject_collisions(files: Iterable[readers.DownloadName], exports: Exports) -> None:
     """Reject a download in which two of the platform's students would get the same ID.
 
     Raises:
@@ -745,7 +739,7 @@ def _reject_collisions(files: Iterable[DownloadName], exports: Exports) -> None:
             )
 
 
-def _student(download_name: DownloadName, exports: Exports) -> str:
+def _student(download_name: readers.DownloadName, exports: Exports) -> str:
     return exports.id_of(download_name) or download_name.student
 
 
@@ -795,7 +789,9 @@ def _store(
     file = path.relative_to(out).as_posix()
     if collection.rows.get(file, {}).get("refused"):
         del collection.rows[file]
-    if student and (not download_name.is_named or (download_name.keys and download_name.layout != NBGRADER)):
+    if student and (
+        not download_name.is_named or (download_name.keys and download_name.layout != readers.NBGRADER)
+    ):
         row = _row(download_name, zone, exports)
         collection.rows[file] = {
             "file": file,
@@ -823,7 +819,8 @@ def _reject(
     """Write a row with the reason for each student without a kept file, for `course grade` to show."""
     for download_name, exercise, why in choice.rejected.values():
         try:
-            student = _student(download_name, exports) or id_of(download_name.key.rsplit(".", 1)[0])
+            key = download_name.key.rsplit(".", 1)[0]
+            student = _student(download_name, exports) or readers.id_of(key)
         except CourseError:
             # No ID can be derived from the name, so only the line in the terminal reports it.
             continue
@@ -841,11 +838,17 @@ def _reject(
         collection.rejected.add(student)
 
 
-def _platform_notes(download_name: DownloadName, exports: Exports, layout: Layout) -> Iterator[str]:
+def _platform_notes(
+    download_name: readers.DownloadName, exports: Exports, layout: readers.Layout
+) -> Iterator[str]:
     """Yield notes for the instructor on a file's name and time."""
     reader = layout.reader
-    is_by_platform = reader is not None and download_name.layout == reader.layout != NBGRADER
-    if (is_by_platform or layout.name == FOLDERS) and exports.ids and not exports.id_of(download_name):
+    is_by_platform = reader is not None and download_name.layout == reader.layout != readers.NBGRADER
+    if (
+        (is_by_platform or layout.name == readers.FOLDERS)
+        and exports.ids
+        and not exports.id_of(download_name)
+    ):
         yield printable(
             f"note: {download_name.name} is not in the roster, and gets the ID {download_name.student}"
         )
@@ -862,7 +865,7 @@ def _platform_notes(download_name: DownloadName, exports: Exports, layout: Layou
         yield f"note: {why}; or write them into {LIST}. Without a time no submission is late"
 
 
-def _row(download_name: DownloadName, zone: ZoneInfo, exports: Exports) -> dict[str, str]:
+def _row(download_name: readers.DownloadName, zone: ZoneInfo, exports: Exports) -> dict[str, str]:
     """Return the row of received.csv for a file with a platform's name."""
     time, source = exports.time(download_name)
     return {

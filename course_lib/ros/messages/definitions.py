@@ -13,17 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import numpy as np
 
 from course_lib.errors import CourseError, did_you_mean
-from course_lib.ros.messages.interface_files import (
-    ACTION_PARTS,
-    SERVICE_PARTS,
-    LazyTypes,
-    check_interface,
-    kit_files,
-    line_of_field,
-    read_defaults,
-    read_interface,
-    read_table,
-)
+from course_lib.ros.messages import interface_files
 from course_lib.ros.programs.packages import has_interfaces, packages
 
 if TYPE_CHECKING:
@@ -84,18 +74,20 @@ class MessageDefinition:
 
 
 @cache
-def field_definitions() -> LazyTypes:
+def field_definitions() -> interface_files.LazyTypes:
     """Return the constants and fields of all types by name, in rosbags' format.
 
     They are the types of ROS 2 Jazzy in rosbags, and those in the kit's interface files; see
     `interface_files`.
     """
-    table = read_table()
+    table = interface_files.read_table()
     if table is not None:
-        return LazyTypes({}, kit_files(), DEFAULTS, table)
+        return interface_files.LazyTypes({}, interface_files.kit_files(), DEFAULTS, table)
     from rosbags.typesys import Stores, get_typestore
 
-    return LazyTypes(dict(get_typestore(Stores.ROS2_JAZZY).fielddefs), kit_files(), DEFAULTS)
+    return interface_files.LazyTypes(
+        dict(get_typestore(Stores.ROS2_JAZZY).fielddefs), interface_files.kit_files(), DEFAULTS
+    )
 
 
 @cache
@@ -125,21 +117,21 @@ def add_package(folder: Path, name: str = "") -> None:
         FOLDERS.append(folder.parent)
     paths = sorted(path for path in folder.glob("*/*.*") if path.suffix == f".{path.parent.name}")
     for path in paths:
-        check_interface(path)
+        interface_files.check_interface(path)
         try:
-            typestore().register(read_interface(path, package))
+            typestore().register(interface_files.read_interface(path, package))
         except TypesysError as error:
             raise CourseError(f"{path} has changed since it was read: restart the kernel.") from error
-        DEFAULTS.update(read_defaults(path, package))
+        DEFAULTS.update(interface_files.read_defaults(path, package))
     definitions = field_definitions()
-    types_by_file = {path: list(read_interface(path, package)) for path in paths}
+    types_by_file = {path: list(interface_files.read_interface(path, package)) for path in paths}
     used: dict[Path, set[str]] = {path: set() for path in paths}
     for file, name in ((path, name) for path, names in types_by_file.items() for name in names):
         for field in (field for field in _parse_definition(name).fields if field.is_message):
             other = field.base.split("/")[0]
             if field.base not in definitions and other != package:
                 find_package(other)
-            place = f"{file}, line {line_of_field(file, field.name)}, field {field.name}"
+            place = f"{file}, line {interface_files.line_of_field(file, field.name)}, field {field.name}"
             if field.base == f"{package}/msg/wstring":
                 UNSUPPORTED.update(dict.fromkeys(types_by_file[file], f"{place}: {NO_WIDE_STRINGS}"))
             elif field.base not in definitions:
@@ -215,7 +207,7 @@ def _parse_definition(type_name: str) -> MessageDefinition:
     )
 
 
-FIRST_PARTS = {"msg": "", "srv": SERVICE_PARTS[0], "action": ACTION_PARTS[0]}
+FIRST_PARTS = {"msg": "", "srv": interface_files.SERVICE_PARTS[0], "action": interface_files.ACTION_PARTS[0]}
 
 
 def interfaces(kind: str) -> list[str]:
