@@ -4,6 +4,7 @@ The wheels are not installed into the kit's own environment, because they would 
 of JupyterLab, and they start every Python of their environment twice.
 """
 
+import errno
 import os
 import platform
 import re
@@ -24,6 +25,10 @@ PYTHON = "REAL_ROS_PYTHON"
 # The newest Python with wheels.
 NEWEST_PYTHON = (3, 14)
 SIZE = "60 MB of downloads, 260 MB on the disk"
+# Free space that an installation needs, including temporary files [B].
+NEEDED_BYTES = 300 * 10**6
+# Wheels that select the version of another wheel, or start Python twice.
+WITHOUT_FOLDER = ("ros-jazzy-", "ros-wheels-")
 INSTALL = "course ros --install"
 _PIN = re.compile(r"^(ros-[\w-]+)==([\w.]+)$", re.MULTILINE)
 # Variables of a sourced ROS, or of the user's settings for DDS, which would change the programs'
@@ -67,17 +72,20 @@ class RealEnvironment:
         packages = metadata.distributions(path=[str(self._packages_folder)])
         return {one.metadata["Name"].replace("_", "-"): one.version for one in packages}
 
-    @property
+    @cached_property
     def packages(self) -> list[str]:
         """The Python packages in the environment."""
         return [one.name for one in self._packages_folder.iterdir()] if self._packages_folder else []
 
     def problem(self) -> str:
-        """Return the first pinned package that is missing or has a different version, or ""."""
+        """Return the first pinned package that is missing, damaged or has a different version, or ""."""
         for name, version in pins().items():
             installed = self.versions.get(name)
             if installed != version:
                 return f"{name} {installed or 'is missing'}, expected {version}"
+            folder = name.removeprefix("ros-").replace("-", "_")
+            if not name.startswith(WITHOUT_FOLDER) and folder not in self.packages:
+                return f"the folder {folder} of {name} is missing"
         return ""
 
     def __str__(self) -> str:
@@ -156,8 +164,8 @@ def install(report: Callable[[str], None]) -> RealEnvironment:
     folder = default_folder()
     environment = RealEnvironment(folder / "bin" / "python")
     if not environment.python.exists() or environment.problem():
+        _check_disk(folder)
         report(f"Installing the real ROS 2 into {folder}: {SIZE}, up to a minute.")
-        shutil.rmtree(folder, ignore_errors=True)
         try:
             _create(folder)
         except BaseException:
@@ -170,6 +178,23 @@ def install(report: Callable[[str], None]) -> RealEnvironment:
             raise CourseError(f"pip installed {problem}. Is another package index configured?")
     report(f"{environment} is in {folder}.")
     return environment
+
+
+def _check_disk(folder: Path) -> None:
+    """Check that the disk of a folder, of which an earlier installation is removed, has enough space.
+
+    Raises:
+        CourseError: It has not.
+    """
+    shutil.rmtree(folder, ignore_errors=True)
+    disk = next(parent for parent in folder.parents if parent.exists())
+    free = shutil.disk_usage(disk).free
+    if free < NEEDED_BYTES:
+        raise CourseError(
+            f"The disk of {disk} has {free // 10**6} MB free, and the real ROS 2 needs "
+            f"{NEEDED_BYTES // 10**6} MB. Remove files there, or let XDG_DATA_HOME name a folder on "
+            "another disk."
+        )
 
 
 def _create(folder: Path) -> None:
@@ -185,6 +210,8 @@ def _run(command: list[str], problem: str) -> None:
     process = subprocess.run(command, capture_output=True, text=True, env=clean_variables(), check=False)
     if process.returncode:
         lines = [line for line in (process.stderr or process.stdout).splitlines() if line.strip()]
+        if any(os.strerror(errno.ENOSPC) in line for line in lines):
+            problem = "a disk is full, where the files are installed or in TMPDIR"
         raise CourseError(f"{problem} ({lines[-1].strip() if lines else f'exit code {process.returncode}'})")
 
 

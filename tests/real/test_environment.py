@@ -1,4 +1,5 @@
 import platform
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -16,6 +17,7 @@ def _fake(folder: Path, versions: dict[str, str]) -> Path:
         info = packages / f"{name.replace('-', '_')}-{version}.dist-info"
         info.mkdir(parents=True)
         (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n")
+        (packages / name.removeprefix("ros-").replace("-", "_")).mkdir()
     (folder / "bin").mkdir()
     (folder / "bin" / "python").touch()
     return folder / "bin" / "python"
@@ -44,6 +46,28 @@ def test_environment_with_another_version_is_rejected(
     monkeypatch.setenv(environment.PYTHON, str(python))
     with pytest.raises(CourseError, match=problem):
         find_environment()
+
+
+def test_environment_with_a_missing_folder_is_rejected(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    python = _fake(tmp_path, pins())
+    monkeypatch.setenv(environment.PYTHON, str(python))
+    (tmp_path / "lib" / "python3.12" / "site-packages" / "rclpy").rmdir()
+    with pytest.raises(CourseError, match="the folder rclpy of ros-rclpy is missing"):
+        find_environment()
+
+
+def test_installation_on_a_full_disk_is_an_error_with_the_needed_space(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    monkeypatch.setattr(environment, "unsupported_reason", lambda: "")
+    usage = shutil.disk_usage(tmp_path)._replace(free=25_000_000)
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: usage)
+    with pytest.raises(CourseError, match="has 25 MB free, and the real ROS 2 needs 300 MB"):
+        install(print)
+    assert not (tmp_path / "data").exists()
 
 
 def test_missing_environment_error_shows_the_install_command(
