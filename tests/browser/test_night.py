@@ -41,6 +41,8 @@ cube.color.b = cube.color.a = 1.0""",
     "from course_lib import load_robot\n"
     "from course_lib.robots import JointStatePublisher, joint_sliders\n"
     "joint_sliders(JointStatePublisher(load_robot('ur10').urdf))",
+    "%rqt topic",
+    "from ipywidgets import HTML, IntSlider, VBox\nVBox([HTML('<i>words of my own</i>'), IntSlider(7)])",
     *["# JupyterLab draws no cell far out of sight." + "\n" * 30] * 70,
     "print('far below')\nquiz('week01_recall')\npredict('week01.ground')",
 )
@@ -151,6 +153,11 @@ def test_reopened_rqt_view_and_sliders_show_their_last_state(reopened: Notebook)
     expect(cell.get_by_text("-1.250", exact=True)).to_be_visible()
     expect(cell.get_by_text("elbow_joint")).to_be_visible()
     picture(reopened, "night_controls")
+    expect(reopened.cell("%rqt topic").locator("span").get_by_text("/cube", exact=True)).to_be_visible()
+    cell = reopened.cell("words of my own")
+    expect(cell.locator("i").get_by_text("words of my own")).to_be_visible()
+    expect(cell.locator(".widget-readout")).to_have_text("7")
+    picture(reopened, "night_own_widget")
 
 
 def test_continue_button_runs_the_required_cells_and_the_view_is_live_again(reopened: Notebook) -> None:

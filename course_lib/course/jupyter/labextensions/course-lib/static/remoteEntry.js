@@ -199,12 +199,27 @@
       value.textContent = valueOf(live[i]);
       control.replaceWith(value);
     });
-    for (const button of copy.querySelectorAll("button")) button.remove();
+    for (const button of copy.querySelectorAll("button")) {
+      if (button.classList.contains("widget-toggle-button")) {
+        const name = document.createElement("span"); // the name of a row that the button unfolds, not a command
+        name.textContent = button.textContent;
+        name.style.cssText = `display: inline-block; flex: none; width: ${button.style.width}`;
+        button.before(name);
+      }
+      button.remove();
+    }
     for (const svg of copy.querySelectorAll("svg:not(.rqt-icon)")) svg.replaceWith(imageOf(svg));
     for (const row of copy.querySelectorAll(".widget-hbox, .widget-inline-hbox, .course-slider"))
-      row.style.cssText = "display: flex; flex-wrap: wrap; gap: 2px 12px; align-items: baseline";
+      Object.assign(row.style, { display: "flex", flexWrap: "wrap", gap: "2px 12px", alignItems: "baseline" });
     for (const name of copy.querySelectorAll(".course-slider label span")) name.style.display = "inline-block";
     return copy.outerHTML;
+  }
+
+  /** Return the element of a widget that brings no HTML of its own, unless it draws on a canvas, or null. */
+  function plainWidget(node, data) {
+    const isSavedHere = [data["text/html"] ?? ""].flat().join("").includes("jupyter-widgets");
+    if (!node || (savedType(data) && !isSavedHere) || node.querySelector("canvas")) return null;
+    return node.querySelector(".jp-OutputArea-output > .jupyter-widgets"); // not one that was saved
   }
 
   /**
@@ -231,7 +246,7 @@
         const { data } = outputs.get(i);
         if (!data[WIDGET]?.model_id) continue;
         const node = cell.outputArea?.widgets[i]?.node;
-        const panel = node?.querySelector(".course-html");
+        const panel = node?.querySelector(".course-html") ?? plainWidget(node, data);
         const source = node?.querySelector(".course-keeps");
         const kept = panel ? { "text/html": htmlOf(panel) } : source?.courseKeeps?.();
         const isNew = kept && Object.entries(kept).some(([type, value]) => data[type] !== value);
