@@ -52,6 +52,12 @@ def python(code: str) -> str:
     return (process.stdout or process.stderr).strip()
 
 
+def course(*words: str | Path, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    """Run `course WORDS`, which is on the search path of activated environments only."""
+    command = [sys.executable, "-m", "course_lib", *words]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=PATIENCE)
+
+
 @pytest.mark.parametrize("folder", ["arm", "repository/arm", "repository/group/deep/down/arm", "other_name"])
 def test_package_is_found_at_any_depth_by_its_manifest_name(
     folder: str, make: Make, capsys: pytest.CaptureFixture[str]
@@ -302,9 +308,7 @@ def test_python_package_is_imported_from_its_build_location(
     make("other")
     script = make("scripts", **{"s.py": "import arm.names\nprint(arm.names.NAME)"}) / "s.py"
     assert python("from arm.names import NAME; print(NAME)") == "arm"
-    process = subprocess.run(
-        ["course", "run", script], capture_output=True, text=True, cwd=tmp_path, timeout=PATIENCE
-    )
+    process = course("run", script, cwd=tmp_path)
     assert (process.stdout, process.stderr) == ("arm\n", "")
 
 
@@ -352,17 +356,10 @@ def test_messages_are_imported_from_a_package_in_a_differently_named_folder(make
     )
     assert "degrees=2.0" in python(code)
     (Path("src") / "depth_two_msgs" / "srv" / "Wrong.srv").write_text("no_type x\n")
-    process = subprocess.run(
-        ["course", "ros2", "interface", "list"], capture_output=True, text=True, timeout=PATIENCE
-    )
+    process = course("ros2", "interface", "list")
     assert "    depth_one_msgs/msg/Angle\n" in process.stdout
     assert re.search(r"^warning: .*Wrong\.srv", process.stderr)
-    completed = subprocess.run(
-        ["course", "ros2", "interface", "show", "depth_one_msgs/msg/Angle"],
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-    )
+    completed = course("ros2", "interface", "show", "depth_one_msgs/msg/Angle")
     assert completed.stdout == "float64 degrees\n"
 
 
