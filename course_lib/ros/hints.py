@@ -182,6 +182,8 @@ def hint(error: BaseException) -> str:
         or near_names.surplus_hint(error)
         or near_names.constructor_hint(error)
         or _super_hint(error, text)
+        or _unbound_hint(error, text)
+        or _tf_hint(error, text)
         or _callback_hint(error)
         or _parameter_callback_hint(error, text)
         or _shadowed_hint(error, text)
@@ -192,10 +194,13 @@ def hint(error: BaseException) -> str:
         or _operand_hint(error, text)
         or _request_hint(error)
         or _list_hint(error, text)
+        or _append_hint(error, text)
+        or _number_loop_hint(error)
         or _pair_hint(error, text)
         or _program_arguments_hint(error)
         or _value_hint(error, text)
         or _table_hint(error, text)
+        or _missing_value_hint(error, text)
     ):
         return found
     if isinstance(error, ModuleNotFoundError) and (interface_package := _imported_interfaces(error)):
@@ -204,7 +209,7 @@ def hint(error: BaseException) -> str:
     if isinstance(error, ImportError):
         return near_names.import_hint(error)
     is_of_message = not isinstance(error, AttributeError) or _is_message(error.obj)
-    if is_of_message and (types := _types_in_error(text)):
+    if is_of_message and (types := _types_of(error, text)):
         return _field_hint(types, text.rpartition("attribute '")[2].partition("'")[0])
     if isinstance(error, AttributeError):
         frame = near_names.frame_of(error)
@@ -326,6 +331,8 @@ def _value_hint(error: BaseException, text: str) -> str:
         return f"this is the function {value.__name__}, which is not called: are its ( ) missing?"
     if is_number and (found := _number_hint(value, kind, text)):
         return found
+    if found := _whole_number_hint(value, kind, near_names.line_of_student(error)):
+        return found
     if name == "Parameter":
         return "this is a parameter: read its value, `self.get_parameter('a_name').value`."
     if name == "ParameterValue":
@@ -393,6 +400,19 @@ def _number_hint(value: object, kind: str, text: str) -> str:
         return f"this is the string {value!r}: remove the quotes, or convert it with {kind}(…)."
     if isinstance(value, list | np.ndarray) and np.size(value) != 1:
         return f"this is a list of {len(value)} items, and the field takes one: like [0]."
+    if isinstance(value, list | np.ndarray | complex):
+        return f"this is of type {name}, and the field takes one number: print it."
+    return ""
+
+
+def _whole_number_hint(value: object, kind: str, line: str) -> str:
+    """Return the hint for a whole number that the line itself makes of a fraction, or ""."""
+    if kind != "float" or not isinstance(value, int):
+        return ""
+    if "//" in line:
+        return "// leaves out the fraction, and makes a whole number of whole numbers: / divides."
+    if match := re.search(r"\b(int|round)\(", line):
+        return f"{match[1]}( ) makes a whole number, without the fraction: leave it out."
     return ""
 
 
@@ -415,11 +435,92 @@ def _table_hint(error: BaseException, text: str) -> str:
 
 
 def _super_hint(error: BaseException, text: str) -> str:
-    """Return the hint for class names in `super(…)` that skip the class Node, or ""."""
+    """Return the hint for wrong names in super( ), or wrong arguments behind it, or ""."""
+    surplus = re.match(r"(\w+)\.__init__\(\) takes (\d) positional arguments? but \d", text)
+    if surplus and re.search(r"\bsuper\(\)\.__init__\(\s*self\b", near_names.line_of_student(error)):
+        return "super() passes self itself: write `super().__init__('a_name')`."
+    if (
+        surplus
+        and surplus[2] == "1"
+        and re.search(r"\bsuper\(\)\.__init__\(", near_names.line_of_student(error))
+    ):
+        return (
+            f"this class is derived from {surplus[1]}, whose __init__ takes no value: write (Node) after "
+            "the name of the class, or super().__init__()."
+        )
     if "object.__init__() takes exactly one argument" not in text:
         return ""
     is_named = re.search(r"\bsuper\(\s*\w+\s*,", near_names.line_of_student(error))
     return "write `super().__init__('a_name')`, with nothing in super( )." if is_named else ""
+
+
+def _unbound_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a callback that is a method of the class and not of its object, or ""."""
+    frame = near_names.frame_of(error)
+    match = re.match(r"(\w+)\.(\w+)\(\) missing \d required positional arguments?: .*'self'", text)
+    if match and mistake_of(error) is Mistake.TIMER_CALLBACK:
+        return f"pass the method of the object, self.{match[2]}. A @staticmethod has no self."
+    if frame is None or frame.f_code.co_varnames[:1] != ("self",):
+        return ""
+    owner = type(frame.f_locals.get("self"))
+    if isinstance(error, AttributeError) and hasattr(owner, "get_fields_and_field_types"):
+        name = frame.f_code.co_name
+        return f"self is the {owner.__name__} here: pass the method of the object, self.{name}."
+    return ""
+
+
+def _tf_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a Buffer or a transformation that gets its arguments wrong, or ""."""
+    frames = [frame for frame, _ in walk_tb(error.__traceback__)]
+    line = near_names.line_of_student(error)
+    if isinstance(error, AttributeError) and any(
+        one.f_code.co_name.startswith("do_transform_") for one in frames
+    ):
+        return (
+            "the first argument is a message with a header, the second one the transform: "
+            "`tf2_geometry_msgs.do_transform_point(point, transform)`."
+        )
+    if isinstance(error, AttributeError) and re.search(r"\bBuffer\(\s*(self|node)\b", line):
+        return (
+            "a buffer takes no node: `Buffer()`. The listener does, `TransformListener(self.buffer, self)`."
+        )
+    if isinstance(error, TypeError) and re.match(
+        r"Buffer(Core)?\.set_transform.* missing .*'authority'", text
+    ):
+        return "this is the class Buffer: create an object, `Buffer()`."
+    if "'qos_profile'" in text and re.search(r"create_subscription\([^,]+,[^,]+,\s*[\w.]+\s*\)", line):
+        number = re.search(r",\s*\d+\s*\)", line)
+        if number:
+            return (
+                "the callback is missing before the depth: "
+                "`self.create_subscription(Marker, '/a_topic', self.heard, 10)`."
+            )
+    return ""
+
+
+def _missing_value_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a call that passes too few values, or ""."""
+    pattern = r"(\w+\.)?(\w+)\(\) missing (\d+) required positional arguments?: (.*)"
+    match = re.match(pattern, text)
+    if match is None or not isinstance(error, TypeError):
+        return ""
+    owner, name, count, values = match.groups()
+    if owner and count != "1":
+        return ""
+    start = f"the call passes no value for {values.replace(chr(39), '')}"
+    line = near_names.line_of_student(error)
+    # In create_timer(1.0, self.tick()) and key=score_of(), the function itself is meant.
+    is_argument = re.search(rf"[(,=]\s*(?:self\.)?{name}\(\s*\)", line)
+    if re.search(rf"\b{name}\(", line) and not re.search(r"\bdef\b", line) and not is_argument:
+        return f"{start}: put it in ( )."
+    if owner:
+        return (
+            f"{start}: put it in ( ). To pass the method itself, for ROS to call it, write `self.{name}` "
+            "without ()."
+        )
+    if is_argument:
+        return f"{start}: put it in ( ). To pass the function itself, write {name} without ()."
+    return f"{start}. If check(…) makes the call, the function needs the names of the task."
 
 
 def _callback_hint(error: BaseException) -> str:
@@ -530,11 +631,24 @@ def _order_hint(error: BaseException, text: str) -> str:
         return ""
     variables = frames[0].f_locals
     kind = variables.get("srv_type", variables.get("msg_type"))
-    # A type in quotes, followed by a name in quotes, is another mistake.
-    if isinstance(kind, str) and isinstance(variables.get("srv_name", variables.get("topic")), str):
-        return ""
+    # A type in quotes, or an object of it, followed by a name in quotes, is another mistake.
+    if isinstance(variables.get("srv_name", variables.get("topic")), str):
+        return _type_hint(kind)
     call = _CREATE_CALLS[frames[0].f_code.co_name]
     return f"pass the type first, then the name in quotes: `{call}`."
+
+
+def _type_hint(kind: object) -> str:
+    """Return the hint for a type of a topic or a service that is not a class, or ""."""
+    if isinstance(kind, str) and (match := re.fullmatch(r"(\w+)/(?:(msg|srv|action)/)?(\w+)", kind)):
+        line = f"from {match[1]}.{match[2] or 'msg'} import {match[3]}"
+        return f"pass the class and not its name in quotes: `{line}`, then {match[3]}."
+    if isinstance(kind, str) and kind.isidentifier():
+        return f"pass the class and not its name: {kind}, without quotes."
+    if hasattr(kind, "get_fields_and_field_types") and not isinstance(kind, type):
+        name = type(kind).__name__
+        return f"pass the class and not an object of it: {name}, without ( )."
+    return ""
 
 
 def _executor_hint(error: BaseException) -> str:
@@ -623,7 +737,7 @@ def _list_hint(error: BaseException, text: str) -> str:
         return f"this is of type {type(value).__name__}, which is not a list: put it into list( )."
     item_type = "each value of type 'float'" if is_converted else text
     are_plain = re.search(r"each value of type '(float|int|str|bool)'", item_type)
-    items = list(value) if are_plain and isinstance(value, Sequence | np.ndarray) else []
+    items = list(value) if isinstance(value, Sequence | np.ndarray) else []
     for index, item in enumerate(items):
         if are_plain is not None and are_plain[1] == "int" and isinstance(item, int | np.integer):
             limits = re.search(r"in \[(-?\d+), (\d+)\]", text)
@@ -634,8 +748,41 @@ def _list_hint(error: BaseException, text: str) -> str:
             return f"item {index} of the list is {float(item)}, with a point: write int(…) or round(…)."
         if item is None or (isinstance(item, str) and "'str'" not in item_type):
             return f"item {index} of the list is {item!r}, not a number."
-        if isinstance(item, list | tuple | np.ndarray):
+        # A point that is three numbers is not a list in the list.
+        is_nested = isinstance(item, list | tuple | np.ndarray)
+        if is_nested and (are_plain or not all(isinstance(one, int | float) for one in item)):
             return f"item {index} is a list in the list: does it have [ ] of its own, or is a * missing?"
+    return ""
+
+
+def _append_hint(error: BaseException, text: str) -> str:
+    """Return the hint for several numbers that are added to a field of numbers in one step, or ""."""
+    if not isinstance(error, TypeError):
+        return ""
+    line = near_names.line_of_student(error)
+    if "must be real number, not list" in text and re.search(r"\.append\(\s*\[", line):
+        return "append adds one number. To set all of them, write = and the list; extend adds them."
+    if "can only extend array with array" in text:
+        return (
+            "a field of numbers is an array: extend adds a list to it, `state.position.extend([0.1, 0.2])`."
+        )
+    return ""
+
+
+def _number_loop_hint(error: BaseException) -> str:
+    """Return the hint for a loop over a range whose numbers are taken for the items, or ""."""
+    if not isinstance(error, AttributeError) or not isinstance(error.obj, int):
+        return ""
+    for frame, _ in walk_tb(error.__traceback__):
+        lines = "".join(linecache.getlines(frame.f_code.co_filename))
+        for name, value in frame.f_locals.items():
+            loop = re.search(rf"\bfor {name} in range\(len\(([\w.]+)\)\)", lines)
+            if loop and value is error.obj:
+                items = loop[1]
+                return (
+                    f"{name} is a number here: the item is {items}[{name}]. Or loop over the items "
+                    f"themselves: for {name} in {items}."
+                )
     return ""
 
 
@@ -734,12 +881,20 @@ def _text(error: BaseException) -> str:
         return ""
 
 
+def _types_of(error: BaseException, text: str) -> list[str]:
+    """Return the message types with the class name in an attribute error, the error's own type first."""
+    owner = error.obj if isinstance(error, AttributeError) else None
+    kind = owner if isinstance(owner, type) else type(owner)
+    package = kind.__module__.partition(".")[0]
+    return sorted(_types_in_error(text), key=lambda name: name.partition("/")[0] != package)
+
+
 def _types_in_error(text: str) -> list[str]:
     """Return the message types with the class name in an attribute error."""
     match = re.match(r"(?:type object )?'(\w+)' (?:object )?has no attribute", text)
     types = [name for name in type_names() if match and name.endswith(f"/{match[1]}")]
     # example_interfaces repeats the types of std_msgs, which are more likely to be meant.
-    return sorted(types, key=lambda name: name.startswith("example_interfaces/"))
+    return near_names.likeliest_first(types)
 
 
 def _paths_to(name: str, attribute: str) -> list[str]:

@@ -149,6 +149,7 @@ _SYNONYMS = {
 }
 _ANGLES = ("yaw", "roll", "pitch", "angle", "heading", "theta")
 _HEAP_TYPE = 1 << 9  # Python's flag of classes that are not static in C
+# Packages whose messages are meant if others have some of the same name, the likeliest one first.
 _COMMON = ("std_msgs", "geometry_msgs", "visualization_msgs", "sensor_msgs", "nav_msgs", "builtin_interfaces")
 # Modules that ROS programs often use, by their names on PyPI.
 _FROM_PIP = {
@@ -237,6 +238,16 @@ _ROS_1 = {
 }
 
 
+def likeliest_first(types: Iterable[str]) -> list[str]:
+    """Return message types, those of common packages before others of the same name, like Point."""
+
+    def rank(name: str) -> int:
+        package = name.partition("/")[0]
+        return _COMMON.index(package) if package in _COMMON else len(_COMMON)
+
+    return sorted(types, key=rank)
+
+
 def nearest(missing: str, names: Iterable[str], cutoff: float = 0.75) -> str:
     """Return the name that differs only in case and underscores, otherwise the most similar name, or ""."""
     candidates = [name for name in dict.fromkeys(names) if name != missing and not name.startswith("_")]
@@ -298,6 +309,9 @@ def name_hint(error: NameError) -> str:
         return f"{missing} is set in the function {inner}, and exists only there: return it from {inner}."
     if missing in importable:
         return f"import it: `{importable[missing]}`; in a notebook run the first cells again."
+    if missing in _interfaces() or (missing in _packages() and "_" in missing):
+        module = f"{missing}.{next(iter(_interfaces()[missing]))}" if missing in _interfaces() else missing
+        return f"import it: `import {module}`; in a notebook run the first cells again."
     return _similar_name(error, missing, frame, owner, importable)
 
 
@@ -313,7 +327,7 @@ def _similar_name(
         if (
             isinstance(module, ModuleType)
             and name in ("math", "np", "numpy", "rclpy")
-            and hasattr(module, missing)
+            and not isinstance(getattr(module, missing, module), ModuleType)
         ):
             return f"did you mean `{name}.{missing}`?"
     if found_constant := _constant_of(missing, frame.f_globals):
@@ -321,9 +335,8 @@ def _similar_name(
     line = line_of_student(error)
     if found := _call_hint(missing, line, frame):
         return found
-    similar = nearest(missing, [*frame.f_locals, *frame.f_globals])
-    if similar:
-        return f"did you mean `{similar}`?"
+    if found := _similar_variable(missing, frame):
+        return found
     # The cell above has not run, or it stopped with an error.
     if re.search(rf"\b(?:check\(\s*['\"][\w.]+['\"],\s*|run_live\(|spin_for\([\d.]+,\s*){missing}\b", line):
         return f"run the cell above that defines {missing} first, and see whether it ends with an error."
@@ -348,6 +361,17 @@ def _similar_name(
             f"Where is {missing} from?"
         )
     return ""
+
+
+def _similar_variable(missing: str, frame: FrameType) -> str:
+    """Return the hint for the variable or class whose name is closest to an undefined one, or ""."""
+    # The name of the function itself, like confidence_color, often resembles that of its parameter.
+    names = [name for name in (*frame.f_locals, *frame.f_globals) if name != frame.f_code.co_name]
+    similar = nearest(missing, names)
+    kind = frame.f_globals.get(similar)
+    if similar.lower() == missing and isinstance(kind, type) and hasattr(kind, "get_fields_and_field_types"):
+        return f"create it first: `{missing} = {similar}()`."
+    return f"did you mean `{similar}`?" if similar else ""
 
 
 def _call_hint(missing: str, line: str, frame: FrameType) -> str:
@@ -450,8 +474,12 @@ def attribute_hint(error: AttributeError) -> str:
     frame = frame_of(error)
     if frame is not None and error.obj is frame.f_locals.get("self") and error.name in frame.f_locals:
         return f"{error.name} is a variable of this method: write `{error.name}` without self."
+    if isinstance(error.obj, ModuleType) and (found := _module_attribute_hint(error.obj, error.name)):
+        return found
     cls = type(error.obj)
-    if is_student_class(cls) and (found := _method_outside(error.name, cls)):
+    if is_student_class(cls) and (
+        found := _method_outside(error.name, cls) or _local_variable_hint(error.name, cls)
+    ):
         return found
     own_classes = [one for one in cls.__mro__ if is_student_class(one)]
     if own_classes:
@@ -490,8 +518,32 @@ def attribute_hint(error: AttributeError) -> str:
         longer = list(
             dict.fromkeys(name for name in names if name in attributes and name.startswith(error.name))
         )
+    if not similar and 1 < len(longer) <= 3 and not own_classes:
+        return f"did you mean {' or '.join(f'`{name}`' for name in longer)}?"
     similar = similar or (longer[0] if len(longer) == 1 else "")
     return f"did you mean `{similar}`?" if similar else ""
+
+
+def _module_attribute_hint(module: ModuleType, name: str) -> str:
+    """Return the hint for a name that is in a module of a package and not in the package, or ""."""
+    package = module.__name__
+    line = _import_of_interface(name, package) if package in _interfaces() else ""
+    if line.startswith(f"from {package}."):
+        return f"write `{line}`."
+    if "." in package or not hasattr(module, "__path__"):
+        return ""
+    if any(one.name == name for one in iter_modules(module.__path__)):
+        return f"a module of a package is imported by its whole name: `import {package}.{name}`."
+    return ""
+
+
+def _local_variable_hint(name: str, cls: type) -> str:
+    """Return the hint for an attribute that a method sets as a variable, without self, or ""."""
+    for key, one in vars(cls).items():
+        code = one.__code__ if isinstance(one, FunctionType) else None
+        if code is not None and name in code.co_varnames[code.co_argcount :]:
+            return f"{name} = … in {key} is a variable that ends with it: write self.{name} = … there."
+    return ""
 
 
 def _fields(value: object) -> Collection[str]:
@@ -805,7 +857,9 @@ def import_hint(error: ImportError) -> str:
         return f"it is elsewhere: `{line}`."
     imported_module = sys.modules.get(module)
     submodules = [match.name for match in iter_modules(getattr(imported_module, "__path__", None) or [])]
-    similar = nearest(missing, [*_attributes(imported_module), *submodules])
+    names = [*_attributes(imported_module), *submodules]
+    longer = [name for name in names if name.startswith(f"{missing}_")]
+    similar = nearest(missing, names) or (longer[0] if len(longer) == 1 else "")
     return f"did you mean {similar}? `from {module} import {similar}`" if similar else ""
 
 
@@ -870,7 +924,7 @@ def _importable(frame: FrameType) -> dict[str, str]:
     is_launch = "generate_launch_description" in (*frame.f_globals, frame.f_code.co_name)
     messages = {
         name.rpartition("/")[2]: "from {}.{} import {}".format(*name.split("/"))
-        for name in reversed(type_names())
+        for name in reversed(likeliest_first(type_names()))
     }
     own_imports = {**_LAUNCH_IMPORTS, **_IMPORTS, **(_IN_LAUNCH_FILES if is_launch else {})}
     modules = {name: f"import {name}" for name in _STDLIB}

@@ -162,6 +162,8 @@ MISTAKES = {
     "node.create_subscription(String, 'latched', print, latched)": "Discovery",
     "marker = Marker()\nmarker.points.append((1.0, 2.0, 3.0))\n"
     "node.create_publisher(Marker, 'marker', 10).publish(marker)": _FIELD,
+    "marker = Marker()\nmarker.points.append([Point(), Point()])\n"
+    "node.create_publisher(Marker, '/marker', 10).publish(marker)": _FIELD,
     **dict.fromkeys(
         (
             "Twist().linear.x = 1",
@@ -199,6 +201,10 @@ MISTAKES = {
             "Marker().color.a = 0,8",
             "Marker().scale.x = '1.0'",
             "import numpy as np\nMarker().scale.x = np.float32(0.5)",
+            "import numpy as np\nMarker().scale.x = np.array([1.0])",
+            "Marker().scale.x = 1j",
+            "Marker().scale.x = round(0.8)",
+            "Marker().pose.position.z = 1 // 2",
             "Marker().pose.position = PoseStamped().pose",
             "Marker().pose.position = Marker().scale",
             "Marker().header.stamp = Node('a').get_clock().now().to_msg",

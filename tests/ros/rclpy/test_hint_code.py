@@ -20,10 +20,11 @@ NAMES = """
 import math
 import sys
 import numpy as np
+import tf2_geometry_msgs
 from math import atan2, cos, sin
 from course_lib import Viewer
 from lifecycle_msgs.msg import Transition
-from geometry_msgs.msg import Quaternion, Vector3
+from geometry_msgs.msg import PointStamped, Quaternion, TransformStamped, Vector3
 from rcl_interfaces.msg import SetParametersResult
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool
@@ -45,6 +46,7 @@ self = robot = Robot()
 client = robot.create_client(AddTwoInts, "/a_service")
 future, f = client.call_async(AddTwoInts.Request()), print
 response, stat, stamp = AddTwoInts.Response(), 0, robot.get_clock().now().to_msg()
+point, transform, text = PointStamped(), TransformStamped(), "1,5"
 viewer = Viewer()
 display = viewer.add("Marker")
 marker, green, u, yaw, speed, count = Marker(), 1.0, 1.0, 1.5, 1.0, 0

@@ -75,4 +75,23 @@ FRAMES = [
         "TypeError: TransformListener.__init__() missing 1 required positional argument: 'node'",
         "a listener fills a buffer: `TransformListener(self.buffer, self)`, after `self.buffer = Buffer()`.",
     ),
+    (
+        "Buffer(node)",
+        "AttributeError: 'Node' object has no attribute 'nanoseconds'",
+        "a buffer takes no node: `Buffer()`. The listener does, `TransformListener(self.buffer, self)`.",
+    ),
+    (
+        "from tf2_ros import TransformListener\n"
+        "TransformListener(Buffer(), node).sendTransform(transform('map', 'base', 1))",
+        "AttributeError: 'TransformListener' object has no attribute 'sendTransform'",
+        "a listener receives transforms. To send them, write `TransformBroadcaster(self)`.",
+    ),
+    (
+        "from geometry_msgs.msg import PointStamped\n"
+        "import tf2_geometry_msgs\n"
+        "tf2_geometry_msgs.do_transform_point(transform('map', 'base', 1), PointStamped())",
+        "AttributeError: 'TransformStamped' object has no attribute 'point'",
+        "the first argument is a message with a header, the second one the transform: "
+        "`tf2_geometry_msgs.do_transform_point(point, transform)`.",
+    ),
 ]

@@ -244,4 +244,51 @@ MESSAGES = [
         "TypeError: must be real number, not str",
         "item 0 of the list is '1.0', not a number.",
     ),
+    (
+        "Marker().pose.position.z = 1 // 2",
+        "AssertionError: The 'z' field must be of type 'float'",
+        "// leaves out the fraction, and makes a whole number of whole numbers: / divides.",
+    ),
+    (
+        "Marker().scale.x = round(0.8)",
+        "AssertionError: The 'x' field must be of type 'float'",
+        "round( ) makes a whole number, without the fraction: leave it out.",
+    ),
+    (
+        "import numpy as np\nMarker().scale.x = np.array([1.0])",
+        "AssertionError: The 'x' field must be of type 'float'",
+        "this is of type ndarray, and the field takes one number: print it.",
+    ),
+    (
+        "Marker().scale.x = 1j",
+        "AssertionError: The 'x' field must be of type 'float'",
+        "this is of type complex, and the field takes one number: print it.",
+    ),
+    (
+        "Point().append(1.0)",
+        "AttributeError: 'Point' object has no attribute 'append'",
+        "`%ros2 interface show geometry_msgs/msg/Point` lists its fields.",
+    ),
+    (
+        "marker = Marker()\n"
+        "marker.points.append([Point(), Point()])\n"
+        "node.create_publisher(Marker, '/marker', 10).publish(marker)",
+        "AssertionError: The 'points' field must be a set or sequence and each value of type 'Point'",
+        "item 0 is a list in the list: does it have [ ] of its own, or is a * missing?",
+    ),
+    (
+        "Marker().points = {Point()}",
+        "TypeError: unhashable type: 'Point'",
+        "{ } makes a set or a dictionary, and a Point cannot be in it: a list has [ ].",
+    ),
+    (
+        "from sensor_msgs.msg import JointState\nJointState().position.append([0.1, 0.2])",
+        "TypeError: must be real number, not list",
+        "append adds one number. To set all of them, write = and the list; extend adds them.",
+    ),
+    (
+        "from sensor_msgs.msg import JointState\nstate = JointState()\nstate.position += [0.1, 0.2]",
+        'TypeError: can only extend array with array (not "list")',
+        "a field of numbers is an array: extend adds a list to it, `state.position.extend([0.1, 0.2])`.",
+    ),
 ]

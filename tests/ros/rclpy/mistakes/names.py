@@ -297,4 +297,29 @@ NAMES = [
         "import it: `from tf_transformations import quaternion_from_euler`; in a notebook run the first "
         "cells again.",
     ),
+    (
+        "tf2_ros.Buffer()",
+        "NameError: name 'tf2_ros' is not defined",
+        "import it: `import tf2_ros`; in a notebook run the first cells again.",
+    ),
+    (
+        "visualization_msgs.msg.Marker()",
+        "NameError: name 'visualization_msgs' is not defined",
+        "import it: `import visualization_msgs.msg`; in a notebook run the first cells again.",
+    ),
+    (
+        "import visualization_msgs\nvisualization_msgs.Marker()",
+        "AttributeError: module 'visualization_msgs' has no attribute 'Marker'",
+        "write `from visualization_msgs.msg import Marker`.",
+    ),
+    (
+        "def confidence_color(score):\n    return 1 - confidence\nconfidence_color(1.0)",
+        "NameError: name 'confidence' is not defined",
+        "confidence_color gets score, and knows what the cells above define. Where is confidence from?",
+    ),
+    (
+        "twist.linear.x = 1.0",
+        "NameError: name 'twist' is not defined",
+        "create it first: `twist = Twist()`.",
+    ),
 ]

@@ -263,4 +263,64 @@ NODES = [
         "rclpy runs callbacks without asyncio: leave out asyncio, and let a timer of the node repeat or "
         "delay work.",
     ),
+    (
+        "class Robot(Node):\n    def __init__(self):\n        super().__init__(self, 'a')\nRobot()",
+        "TypeError: Node.__init__() takes 2 positional arguments but 3 were given",
+        "super() passes self itself: write `super().__init__('a_name')`.",
+    ),
+    (
+        "class Box(Node):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('a')\n"
+        "class Robot(Box):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('b')\n"
+        "Robot()",
+        "TypeError: Box.__init__() takes 1 positional argument but 2 were given",
+        "this class is derived from Box, whose __init__ takes no value: write (Node) after the "
+        "name of the class, or super().__init__().",
+    ),
+    (
+        "class Robot(Node):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('a')\n"
+        "        publisher = 1\n"
+        "    def publish_all(self):\n"
+        "        self.publisher.publish(1)\n"
+        "Robot().publish_all()",
+        "AttributeError: 'Robot' object has no attribute 'publisher'",
+        "publisher = … in __init__ is a variable that ends with it: write self.publisher = … there.",
+    ),
+    (
+        "node.destroy()",
+        "AttributeError: 'Node' object has no attribute 'destroy'",
+        "`node.destroy_node()` ends a node, `rclpy.shutdown()` all of them.",
+    ),
+    (
+        "node.create_timer(1.0)",
+        "TypeError: Node.create_timer() missing 1 required positional argument: 'callback'",
+        "the call passes no value for callback: put it in ( ).",
+    ),
+    (
+        "class Robot(Node):\n"
+        "    def tick(self): ...\n"
+        "node.create_timer(0.0, Robot.tick)\n"
+        "rclpy.spin_once(node)",
+        "TypeError: Robot.tick() missing 1 required positional argument: 'self'",
+        "pass the method of the object, self.tick. A @staticmethod has no self.",
+    ),
+    (
+        "class Robot(Node):\n"
+        "    def heard(self, message): ...\n"
+        "node.create_timer(0.0, Robot('a').heard)\n"
+        "rclpy.spin_once(node)",
+        "TypeError: Robot.heard() missing 1 required positional argument: 'message'",
+        "a timer passes no message. Messages arrive by `self.create_subscription(Marker, "
+        "'/a_topic', self.heard, 10)`; a timer calls `def heard(self)`.",
+    ),
+    (
+        "rclpy.wait_for_message.wait_for_message(String, node, '/chatter')",
+        "AttributeError: module 'rclpy' has no attribute 'wait_for_message'",
+        "a module of a package is imported by its whole name: `import rclpy.wait_for_message`.",
+    ),
 ]

@@ -105,7 +105,7 @@ PLAIN_PYTHON = [
     (
         "import math\nmath.atan2(1.0)",
         "TypeError: atan2 expected 2 arguments, got 1",
-        "atan2 takes 2 values, with a comma between them: `math.atan2(1.0, 2.0)` takes y, then x.",
+        "atan2 takes two values, with a comma between them: `math.atan2(1.0, 2.0)`, y and then x.",
     ),
     (
         "int('Person')",
@@ -253,8 +253,7 @@ PLAIN_PYTHON = [
     (
         "def two_link(a, b, c): ...\ntwo_link(1.0, 1.0)",
         "TypeError: two_link() missing 1 required positional argument: 'c'",
-        "the call passes no value for 'c'. If check(…) makes the call, the function needs the names of the "
-        "task.",
+        "the call passes no value for c: put it in ( ).",
     ),
     (
         "Node('a').create_publisher(String, 'b', 10)(String())",
@@ -290,7 +289,8 @@ PLAIN_PYTHON = [
         "ValueError: setting an array element with a sequence. The requested array has an inhomogeneous "
         "shape "
         "after 1 dimensions. The detected shape was (2,) + inhomogeneous part.",
-        "one item is a list, and another is a number. A * unpacks a list into another one: [*tip, 1.0].",
+        "the rows have different lengths, or one item is a list and another a number. A * unpacks a "
+        "list into another one: [*tip, 1.0].",
     ),
     (
         "[1.0, 2.0].index(3.0)",
@@ -323,8 +323,7 @@ PLAIN_PYTHON = [
     (
         "class Robot(Node):\n    def answer(self, request): ...\nRobot('a').answer()",
         "TypeError: Robot.answer() missing 1 required positional argument: 'request'",
-        "the call passes no value for request: put it in ( ). To pass the method itself, for ROS to call "
-        "it, write `self.answer` without ().",
+        "the call passes no value for request: put it in ( ).",
     ),
     (
         "TransformBroadcaster()",
@@ -491,9 +490,57 @@ PLAIN_PYTHON = [
         "the second one have to be equal.",
     ),
     (
+        "def score_of(item): ...\nsorted([1.0], key=score_of())",
+        "TypeError: score_of() missing 1 required positional argument: 'item'",
+        "the call passes no value for item: put it in ( ). To pass the function itself, write score_of "
+        "without ().",
+    ),
+    (
         "x = 0.5 * '2.0'",
         "TypeError: can't multiply sequence by non-int of type 'float'",
         "a list or a string times a number repeats it. An array multiplies each number: "
         "`np.array([1.0, 2.0]) * 0.5`. A number in quotes is a string: remove the quotes.",
+    ),
+    (
+        "import numpy as np\nnp.norm([3.0, 4.0])",
+        "AttributeError: module 'numpy' has no attribute 'norm'",
+        "it is in linalg: write np.linalg.norm.",
+    ),
+    (
+        "import numpy as np\nnp.array(1.0, 2.0, 3.0)",
+        "TypeError: array() takes from 1 to 2 positional arguments but 3 were given",
+        "put the values into one list: `np.array([1.0, 2.0, 3.0])`.",
+    ),
+    (
+        "x = 2\nx(3)",
+        "TypeError: 'int' object is not callable",
+        "a number is not a function: is a star missing before ( ), as in `2 * (3 + 4)`, or is "
+        "there an extra ()?",
+    ),
+    (
+        "angle = 0.5\nangle.cos()",
+        "AttributeError: 'float' object has no attribute 'cos'",
+        "a function of math gets the number in ( ): math.cos(x).",
+    ),
+    (
+        "import math\nmath.dist([1.0])",
+        "TypeError: dist expected 2 arguments, got 1",
+        "dist takes 2 values, with a comma between them.",
+    ),
+    (
+        "float('1,5')",
+        "ValueError: could not convert string to float: '1,5'",
+        "a decimal number has a point and not a comma: replace it, as in `text.replace(',', '.')`.",
+    ),
+    (
+        "items = ['a', 'b']\nfor item in range(len(items)):\n    item.upper()",
+        "AttributeError: 'int' object has no attribute 'upper'",
+        "item is a number here: the item is items[item]. Or loop over the items themselves: for "
+        "item in items.",
+    ),
+    (
+        "x = f'{3.2.2f}'",
+        "SyntaxError: invalid decimal literal",
+        "in an f-string the format follows a colon: `f'{3.14159:.2f}'`.",
     ),
 ]

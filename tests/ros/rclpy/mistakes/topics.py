@@ -76,7 +76,7 @@ TOPICS = [
         "AttributeError: type object 'str' has no attribute '_TYPE_SUPPORT' This might be a ROS 1 "
         "message type but it should be a ROS 2 message type. Make sure to source your ROS 2 "
         "workspace after your ROS 1 workspace.",
-        "pass the class: `from std_msgs.msg import String`.",
+        "pass the class and not its name in quotes: `from std_msgs.msg import String`, then String.",
     ),
     (
         "node.create_publisher(AddTwoInts, 'chatter', 10)",
@@ -158,5 +158,36 @@ TOPICS = [
         "node.create_publisher(String, 'chatter', 10).publish(print())",
         "TypeError: Expected <class 'std_msgs.msg._string.String'>, got <class 'NoneType'>",
         "this is None, not a String: does the function that creates the message end with return?",
+    ),
+    (
+        "node.create_publisher('Marker', '/chatter', 10)",
+        "AttributeError: type object 'str' has no attribute '_TYPE_SUPPORT' This might be a ROS "
+        "1 message type but it should be a ROS 2 message type. Make sure to source your ROS 2 "
+        "workspace after your ROS 1 workspace.",
+        "pass the class and not its name: Marker, without quotes.",
+    ),
+    (
+        "node.create_publisher('visualization_msgs/Marker', '/chatter', 10)",
+        "AttributeError: type object 'str' has no attribute '_TYPE_SUPPORT' This might be a ROS "
+        "1 message type but it should be a ROS 2 message type. Make sure to source your ROS 2 "
+        "workspace after your ROS 1 workspace.",
+        "pass the class and not its name in quotes: `from visualization_msgs.msg import "
+        "Marker`, then Marker.",
+    ),
+    (
+        "node.create_subscription(Marker, '/chatter', 10)",
+        "TypeError: Node.create_subscription() missing 1 required positional argument: 'qos_profile'",
+        "the callback is missing before the depth: `self.create_subscription(Marker, "
+        "'/a_topic', self.heard, 10)`.",
+    ),
+    (
+        "class Robot(Node):\n"
+        "    def heard(self, message):\n"
+        "        print(message.data)\n"
+        "node.create_subscription(String, '/chatter', Robot.heard, 10)\n"
+        "node.create_publisher(String, '/chatter', 10).publish(String())\n"
+        "rclpy.spin_once(node)",
+        "AttributeError: 'dict' object has no attribute 'data'",
+        "self is the String here: pass the method of the object, self.heard.",
     ),
 ]
