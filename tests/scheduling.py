@@ -28,8 +28,10 @@ LONGEST = (
     "tests/browser/test_lesson_one.py",
     "tests/mistakes/test_mistakes.py",
     "tests/browser/test_book.py",
+    "tests/ros/test_public_kinds.py",
     "tests/authoring/test_guide.py",
-    "tests/tools/test_determinism.py",
+    "tests/browser/test_beside.py",
+    "tests/authoring/test_flaws.py",
 )
 Kind = Literal["browser", "busy", "waiting"]
 # The kinds that the first worker runs first, the second and the third one, and again from the fourth one on.
