@@ -155,6 +155,7 @@ _COLUMNS: dict[str, tuple[str, float, str]] = {
     "busy": ("Busy (%)", 1e2, ".1f"),
     "load": ("Processor (%) *", 1e2, ".2f"),
 }
+_NO_MEASUREMENT = "No topic had a message and no callback ran in {:g} s of robot time: does a node run?"
 _NOTE = "* processor time on this machine at the wall clock's pace: all other numbers are by robot time"
 
 
@@ -306,7 +307,7 @@ class PerformanceReport:
             for row in rows:
                 table.add_row(*row)
             console.print(table)
-        console.print(_NOTE if self.callbacks else "")
+        console.print(self._note())
         return str(console.file.getvalue())  # type: ignore[attr-defined]  # it is the StringIO from above
 
     def _repr_html_(self) -> str:
@@ -318,7 +319,13 @@ class PerformanceReport:
             f"{''.join(line('td', row) for row in rows)}</table>"
             for title, heads, rows in self._grids()
         )
-        return tables + (f"<p>{_NOTE}</p>" if self.callbacks else "")
+        return tables + (f"<p>{note}</p>" if (note := self._note()) else "")
+
+    def _note(self) -> str:
+        """Return the line below the tables, or in place of them."""
+        if self.callbacks:
+            return _NOTE
+        return "" if self.topics else _NO_MEASUREMENT.format(self.seconds)
 
     def _grids(self) -> Iterator[tuple[str, list[str], list[list[str]]]]:
         """Yield title, headings and rows of each table that is not empty."""

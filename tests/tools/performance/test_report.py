@@ -66,6 +66,13 @@ def measured(seconds: float = 2.0) -> PerformanceReport:
     return performance_report(seconds, Camera(), Detector())
 
 
+def test_report_without_messages_and_callbacks_asks_for_a_running_node(graph: Graph) -> None:
+    report = performance_report(2.0, Node("idle"))
+    line = "No topic had a message and no callback ran in 2 s of robot time: does a node run?"
+    assert repr(report).strip() == line
+    assert report._repr_html_() == f"<p>{line}</p>"
+
+
 def test_topics_have_rates_sizes_and_latencies(graph: Graph) -> None:
     report = measured()
     rows = {row.topic: row for row in report.topics}
