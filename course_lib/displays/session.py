@@ -45,8 +45,8 @@ _NOT_SPUN = (
     "run_live(...), spin_for(2.0, ...) or rclpy.spin(...)."
 )
 CLOCK_WAS_SET_BACK = (
-    "If a robot or a bag started again with an earlier time, the newer transforms of before hide its "
-    "own: viewer.reset(), or open the view again."
+    "If a robot or a bag started again with an earlier time, the newer transforms of before hide "
+    "its own: viewer.reset(), or open the view again."
 )
 _TF_TOPICS = {"/tf": Qos(depth=100), "/tf_static": Qos(depth=100, durability="transient_local")}
 

@@ -231,8 +231,8 @@ def find_student(users: Sequence[GatewayUser], query: str) -> GatewayUser:
             return user
     if [user.student for user in users if user.name != ROBOT] == [GUEST]:
         raise CourseError(
-            f"--driver {query}: this folder has no class, and no gateway runs in it. Start the gateway "
-            "with --students CSV, or pass the --folder of the one that runs"
+            f"--driver {query}: this folder has no class, and no gateway runs in it. Start the "
+            "gateway with --students CSV, or pass the --folder of the one that runs"
         )
     raise CourseError(
         f"--driver {query}: no such student. The file {TOKENS} in the gateway's folder lists all "

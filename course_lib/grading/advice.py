@@ -385,8 +385,8 @@ def parameter_order_hint(task: Task, source: str) -> list[str]:
         # Errors about a missing or surplus parameter have hints of their own.
         if len(own) == len(expected) and not all(in_place):
             return [
-                f"Hint: The parameters of {name} are in a different order than in the exercise: write "
-                f"def {name}({', '.join(expected)})."
+                f"Hint: The parameters of {name} are in a different order than in the exercise: "
+                f"write def {name}({', '.join(expected)})."
             ]
     return []
 

@@ -525,8 +525,8 @@ def _misspelled_attributes(cls: ast.ClassDef) -> Iterator[str]:
         similar = get_close_matches(name, read - stored.keys(), 1, 0.8)
         if similar:
             yield (
-                f"self.{name} is set and never read, and self.{similar[0]} is read and never set outside of "
-                "__init__: are they meant to be one?"
+                f"self.{name} is set and never read, and self.{similar[0]} is read and never set "
+                "outside of __init__: are they meant to be one?"
             )
 
 

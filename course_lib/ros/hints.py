@@ -445,8 +445,8 @@ def _super_hint(error: BaseException, text: str) -> str:
         and re.search(r"\bsuper\(\)\.__init__\(", near_names.line_of_student(error))
     ):
         return (
-            f"this class is derived from {surplus[1]}, whose __init__ takes no value: write (Node) after "
-            "the name of the class, or super().__init__()."
+            f"this class is derived from {surplus[1]}, whose __init__ takes no value: write (Node) "
+            "after the name of the class, or super().__init__()."
         )
     if "object.__init__() takes exactly one argument" not in text:
         return ""
@@ -515,8 +515,8 @@ def _missing_value_hint(error: BaseException, text: str) -> str:
         return f"{start}: put it in ( )."
     if owner:
         return (
-            f"{start}: put it in ( ). To pass the method itself, for ROS to call it, write `self.{name}` "
-            "without ()."
+            f"{start}: put it in ( ). To pass the method itself, for ROS to call it, write "
+            f"`self.{name}` without ()."
         )
     if is_argument:
         return f"{start}: put it in ( ). To pass the function itself, write {name} without ()."

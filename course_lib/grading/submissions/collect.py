@@ -582,8 +582,8 @@ def _download(source: Path, zone: ZoneInfo, layout: str) -> Download:
         ]
         if not metadata_files:
             raise CourseError(
-                f"{source} has Gradescope's folders, but not {readers.METADATA}, which has the students. "
-                "Pass the whole export: Export Submissions"
+                f"{source} has Gradescope's folders, but not {readers.METADATA}, which has the "
+                "students. Pass the whole export: Export Submissions"
             )
         download_layout = replace(
             download_layout, records=readers.gradescope_records(metadata_files[0].data, zone)
