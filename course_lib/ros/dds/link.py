@@ -30,7 +30,6 @@ from course_lib.ros.dds.wire import (
 from course_lib.ros.graph.topics import Qos, dds_type, ros_type
 from course_lib.ros.messages import deserialize, message_class, serialize
 from course_lib.ros.messages.definitions import is_known, type_hash
-from course_lib.ros.robot.addresses import resolve
 from course_lib.ros.robot.link import (
     Action,
     Actions,
@@ -325,8 +324,9 @@ class DdsLink(Link):
         self._nodes: dict[bytes, dict[tuple[str, str], DdsEntity]] = {}
         # Remote endpoints that the graph contains.
         self._listed: dict[bytes, DdsEntity] = {}
-        self._host = resolve(host)
-        self.participant = Participant(domain, self._host, partial(self._enqueue, self._on_endpoint))
+        self.participant = Participant(domain, host, partial(self._enqueue, self._on_endpoint))
+        # The robot's address at the start.
+        self._first_peer = self.participant.current_peer
         topic, type_name, qos = DISCOVERY_TOPIC, DISCOVERY_TYPE, DISCOVERY_QOS
         self._discovery = self.participant.add_writer(topic, type_name, qos)
         self.participant.add_reader(topic, type_name, qos, partial(self._enqueue, self._on_discovery))
@@ -377,7 +377,7 @@ class DdsLink(Link):
         if is_silent and not self._is_silence_reported:
             yield "silent", self.no_nodes_message()
         host = self.participant.current_peer
-        if host != self._host:
+        if host != self._first_peer:
             yield f"moved {host}", moved_message(self.address, host)
         for topic, count, size in self.participant.incomplete_topics():
             if count >= INCOMPLETE_MESSAGES:

@@ -30,7 +30,7 @@ from course_lib.ros.dds import wire
 from course_lib.ros.dds.endpoints import OnSample, Reader, ReceivedSample, Writer, data_submessage
 from course_lib.ros.dds.wire import PREFIX_SIZE, Buffer, Endpoint, Kind, Locator, ParameterList, Pid
 from course_lib.ros.graph.topics import Qos, find_incompatible_policy
-from course_lib.ros.robot.addresses import common_bits, socket_towards
+from course_lib.ros.robot.addresses import common_bits, resolve, socket_towards
 from course_lib.ros.time import wall
 
 PORT_BASE, PORTS_PER_DOMAIN, FIRST_UNICAST = 7400, 250, 10
@@ -86,16 +86,17 @@ class Participant:
 
     Args:
         domain: ROS_DOMAIN_ID.
-        peer: IPv4 address of the robot.
+        host: Address or name of the robot.
         on_endpoint: Called with each remote endpoint that joins or leaves, in the thread that
             receives.
 
     Raises:
-        CourseError: No port is free, or no network leads to the robot.
+        CourseError: No port is free, the host is unknown, or no network leads to it.
     """
 
-    def __init__(self, domain: int, peer: str, on_endpoint: OnEndpoint) -> None:
-        self.domain, self._on_endpoint = domain, on_endpoint
+    def __init__(self, domain: int, host: str, on_endpoint: OnEndpoint) -> None:
+        self.domain, self._host, self._on_endpoint = domain, host, on_endpoint
+        peer = resolve(host)
         self.prefix = wire.VENDOR_ID + os.urandom(PREFIX_SIZE - len(wire.VENDOR_ID))
         self.guid = self.prefix + wire.PARTICIPANT_ENTITY
         self.lock = _thread.RLock()
@@ -421,6 +422,8 @@ class Participant:
             if now >= next_announcement or self._eager == EAGER_ANNOUNCEMENTS:
                 next_announcement = now + (EAGER_SECONDS if self._eager else ANNOUNCE_SECONDS)
                 self._eager = max(0, self._eager - 1)
+                if not (self._remotes or self._eager):
+                    self._resolve_again()
                 with self.lock:
                     self._announce(self._ports_of_robot())
                     for prefix, remote in tuple(self._remotes.items()):
@@ -444,6 +447,13 @@ class Participant:
             else:
                 with self._receiving:
                     self._receive_all(wait)
+
+    def _resolve_again(self) -> None:
+        """Follow the name of a robot that is not found: it may have started with another address."""
+        with contextlib.suppress(CourseError):
+            peer = resolve(self._host)
+            if peer != self._peer:
+                self._peer = self.current_peer = peer
 
     def receive_for(self, seconds: float) -> bool:
         """Receive in the calling thread until a datagram has arrived, at most for `seconds`.

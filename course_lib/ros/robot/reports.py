@@ -1,6 +1,7 @@
 """Lines about a link that users read: what is wrong between this kit and the robot, and what to do."""
 
 import errno
+import re
 
 from course_lib.ros.messages.definitions import is_known, type_hash
 from course_lib.ros.robot.link import Entity, Link
@@ -103,9 +104,11 @@ def silence_message(address: str, domain: int, error: int) -> str:
 
 def moved_message(address: str, host: str) -> str:
     """Return a message for a robot that was linked at `address` and now sends from `host`."""
+    # A name still leads to the robot.
+    has_number = re.fullmatch(r"dds/[\d.]+", address) is not None
     return (
-        f"The robot {address} now has the address {host}, and the link follows it. "
-        f"Next time connect to dds/{host}."
+        f"The robot {address} now has the address {host}, and the link follows it."
+        + f" Next time connect to dds/{host}." * has_number
     )
 
 

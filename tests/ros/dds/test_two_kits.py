@@ -5,6 +5,7 @@ import os
 import random
 import re
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterable
@@ -365,6 +366,28 @@ def test_restarted_robot_is_discovered_again(kits: DdsKits) -> None:
         kits.until(partial(ends_with, received, name), name)
         kits.leave(robot)
         kits.until(lambda: "/name" not in topics(student, "pub"), "the end of the robot")
+
+
+def test_robot_that_starts_with_another_address_is_found_by_its_name(
+    kits: DdsKits, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(participant, "ANNOUNCE_SECONDS", 0.1)
+    hosts = {"robot.local": "127.0.0.9"}
+
+    def find(host: str) -> str:
+        return hosts.get(host, host)
+
+    monkeypatch.setattr(socket, "gethostbyname", find)
+    # The robot does not contact the student's computer by itself.
+    robot, student = kits.join(send="/chatter", host="127.0.0.9"), kits.join(host="robot.local")
+    talker(robot, "/chatter")
+    announced = dds_link(student).participant
+    kits.until(lambda: not announced._eager, "the first announcements")
+    assert not student.link.is_up()
+    hosts["robot.local"] = "127.0.0.1"
+    kits.until(lambda: "/chatter" in topics(student, "pub"), "the robot")
+    line = "The robot dds/robot.local now has the address 127.0.0.1, and the link follows it."
+    kits.until(lambda: line in kits.lines, "the line")
 
 
 def robot_errors(viewer: Viewer) -> list[str]:
