@@ -10,7 +10,7 @@ from nbclient import NotebookClient
 from course_lib.course.student_folder import KERNEL_STARTUP
 from tests.patience import PATIENCE
 
-HINT = "hint: run the cells above first, beginning with the first one"
+HINT = "hint: run the cells above first, beginning with the first one, %load_ext course_lib "
 CELLS = ['check("week06.camera", 3)', "%ros2 topic list", "%load_ext course_lib", "Viewr()", "sorted(dir())"]
 
 

@@ -14,7 +14,10 @@ def _watch_for_early_cells() -> None:
     from IPython.core.getipython import get_ipython
 
     shell = get_ipython()
-    hint = "run the cells above first, beginning with the first one (Run → Run All Above Selected Cell)."
+    hint = (
+        "run the cells above first, beginning with the first one, %load_ext course_lib "
+        "(Run → Run All Above Selected Cell)."
+    )
 
     def show(
         shell: Any,
