@@ -62,7 +62,9 @@ def robot(
     ros: Annotated[
         bool, typer.Option("--ros", help="Run it on the real ROS 2 (course ros --install), over DDS.")
     ] = False,
-    domain: Annotated[int, typer.Option(min=0, max=232, help="The robot's ROS_DOMAIN_ID.")] = 0,
+    domain: Annotated[
+        int, typer.Option(min=0, max=232, envvar="ROS_DOMAIN_ID", help="The robot's ROS_DOMAIN_ID.")
+    ] = 0,
     with_parent: Annotated[bool, typer.Option("--with-parent", hidden=True)] = False,
 ) -> None:
     """Run a simulated robot, whose topics, services and actions are available over the network."""
@@ -98,7 +100,9 @@ def router(
     listen: Annotated[str, typer.Option(help="Address for the students' connections.")] = "tcp/0.0.0.0:7448",
     certificate: Annotated[Path | None, typer.Option(help="PEM file for --listen tls/…, with --key.")] = None,
     key: Annotated[Path | None, typer.Option(help="The certificate's private key, PEM.")] = None,
-    domain: Annotated[int, typer.Option(min=0, max=232, help="The robot's ROS_DOMAIN_ID.")] = 0,
+    domain: Annotated[
+        int, typer.Option(min=0, max=232, envvar="ROS_DOMAIN_ID", help="The robot's ROS_DOMAIN_ID.")
+    ] = 0,
     robot_port: Annotated[
         int, typer.Option(min=1, max=65535, help="Without --robot: the port for a robot on this computer.")
     ] = 7447,

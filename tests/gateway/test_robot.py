@@ -9,8 +9,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from course_lib import CourseError, start_robot
+from course_lib.cli import app
 from course_lib.gateway.robot import RobotProcess, SimulatedRobotAddress
 from tests.gateway.conftest import ROSTER, wait_for
 from tests.gateway.test_router import Started, course, says, started, users_in
@@ -91,6 +93,22 @@ def test_unknown_robot_publishes_all_its_topics_on_the_network(tmp_path: Path, s
     reset = "/robot/reset_odometry"
     assert "success=True" in ros2(f"service call {reset} std_srvs/srv/Trigger", "--call", reset)
     assert "/robot/gripper_cmd" in ros2("action list")
+
+
+@pytest.mark.parametrize(("words", "domain"), [([], 7), (["--domain", "3"], 3)])
+def test_domain_of_the_robot_is_the_environment_variable_without_the_option(
+    monkeypatch: pytest.MonkeyPatch, words: list[str], domain: int
+) -> None:
+    domains = list[int]()
+
+    def run(kind: str, address: SimulatedRobotAddress, write: object, *, with_parent: bool) -> int:
+        domains.append(address.domain)
+        return 0
+
+    monkeypatch.setenv("ROS_DOMAIN_ID", "7")
+    monkeypatch.setattr("course_lib.gateway.robot.robot", run)
+    CliRunner().invoke(app, ["robot", *words])
+    assert domains == [domain]
 
 
 def test_nonexistent_robot_is_reported_in_one_line(tmp_path: Path) -> None:

@@ -158,3 +158,12 @@ def test_invalid_xacro_file_is_one_error(arm: Path) -> None:
         CourseError, match=r"xacro cannot expand .*arm\.urdf\.xacro, line \d+\): .*xacro:beam"
     ):
         load_robot(arm)
+
+
+def test_xacro_command_with_a_space_in_the_path_has_a_hint(arm: Path, tmp_path: Path) -> None:
+    file = tmp_path / "my files" / arm.name
+    file.parent.mkdir()
+    file.write_text(arm.read_text())
+    with pytest.raises(SubstitutionFailure, match="hint: a command is split at its spaces"):
+        Command(["xacro ", str(file)]).perform(LaunchContext())
+    assert "two_links" in Command(["xacro ", '"', str(file), '"']).perform(LaunchContext())

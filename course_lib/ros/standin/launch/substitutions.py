@@ -22,6 +22,11 @@ from launch.entities import SomeSubstitutionsType as Some
 from launch.entities import SubstitutionFailure as SubstitutionFailure
 from launch.logging import get_logger
 
+# Share folders are source folders here, whose names have spaces more often than installed ones.
+_SPLIT_PATH = (
+    "\nhint: a command is split at its spaces, on a robot as well, and a folder in this path has one in its "
+    "name. Rename the folder, or write quotes around the path: Command(['xacro ', '\"', path, '\"'])"
+)
 _ON_STDERR = ("fail", "ignore", "warn", "capture")
 # Programs of the kit, which are available although they are not on the PATH.
 _PROVIDED = ("ros2", "rviz2", "xacro")
@@ -130,6 +135,8 @@ class Command(Substitution):
             outcome = "failed" if result.code else "showed stderr output"
             text = f"executed command {outcome}. Command: {shlex.join(arguments)}"
             text += f"\nCaptured stderr output: {result.errors}"
+            if "expected exactly one input file" in result.errors and len(arguments) > 2:
+                text += _SPLIT_PATH
             if result.code or (result.errors and on_stderr_text == "fail"):
                 raise SubstitutionFailure(text)
             if result.errors and on_stderr_text == "warn":
