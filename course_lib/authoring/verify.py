@@ -92,7 +92,7 @@ class WeekRehearsals:
 
     def __init__(self, week: str, course: Course, pool: Executor) -> None:
         self._week, self._course, self._pool = week, course, pool
-        self._tasks = [task for task in catalog_of(course).of_week(week) if not task.rubric]
+        self._tasks = [task for task in catalog_of(course).tasks_of_week(week) if not task.rubric]
         self._solution = course.solutions / f"{week}_solution.ipynb"
         self._exercise = course.exercises / f"{week}_exercise.ipynb"
         self._cells = cells_of(self._solution)
@@ -113,7 +113,7 @@ class WeekRehearsals:
         """Run all rehearsals and yield the flaws."""
         checks = r"^check\(\s*[\"'](\w+\.\w+)[\"']"
         checked_tasks = set(re.findall(checks, "\n".join(self._cells), re.MULTILINE))
-        known_tasks = {task.id for task in catalog_of(self._course).of_week(self._week)}
+        known_tasks = {task.id for task in catalog_of(self._course).tasks_of_week(self._week)}
         for name in sorted(checked_tasks - known_tasks):
             text = f"check({name!r}, …): there is no such task{did_you_mean(name, known_tasks, 3)}"
             yield Flaw("solution", text, str(self._solution))
@@ -461,7 +461,7 @@ def weeks_of(course: Course) -> list[str]:
 def _verify_week(week: str, course: Course, pool: Executor) -> WeekReport:
     flaws = [*page_flaws(week, course), *_check_quizzes(week, course), *_check_exercise(week, course)]
     try:
-        tasks = catalog_of(course).of_week(week)
+        tasks = catalog_of(course).tasks_of_week(week)
         if not tasks:
             return WeekReport(week, tuple(flaws), UNKNOWN)
         flaws_of_files = list(missing_files(week, course))
@@ -479,7 +479,7 @@ def _check_inputs(week: str, course: Course) -> Iterator[Flaw]:
     catalog = catalog_of(course)
     solution = course.solutions / f"{week}_solution.ipynb"
     names = names_in(cells_of(solution)) if solution.is_file() else frozenset[str]()
-    for task in catalog.of_week(week):
+    for task in catalog.tasks_of_week(week):
         yield from invalid_messages(task, task.scenarios, course.exercises / "checks" / f"{week}.py")
         hidden_scenarios = catalog.hidden.get(task.id, ())
         yield from invalid_messages(

@@ -167,12 +167,12 @@ def last_check(state: State, task_id: str) -> LastCheck | None:
     return None
 
 
-def save_packed(state: State, exercise: str, packed: PackedSubmission) -> None:
+def save_packed_submission(state: State, exercise: str, packed: PackedSubmission) -> None:
     """Store what `course submit` has packed."""
     state.put(PACKED, exercise, asdict(packed))
 
 
-def last_packed(state: State, exercise: str) -> PackedSubmission | None:
+def last_packed_submission(state: State, exercise: str) -> PackedSubmission | None:
     """Return the last packed submission, or None if there is none or its entry is unreadable."""
     match state.get(PACKED, exercise):
         case {

@@ -52,7 +52,7 @@ from course_lib.course.state import (
     extras,
     find_student_folder,
     last_check,
-    last_packed,
+    last_packed_submission,
     lessons,
     lessons_dir,
     reviews,
@@ -441,7 +441,7 @@ def progress(week: Week, state: State) -> Progress:
     none = {"score": 0.0, "of": 1.0}
     results = {task: saved_results.get(f"{week.name}.{task}", none) for task in week.settings.points}
     done = tuple(t for t, result in results.items() if _is_done(state, f"{week.name}.{t}", result))
-    file = last_packed(state, f"{week.name}_exercise") if packed else None
+    file = last_packed_submission(state, f"{week.name}_exercise") if packed else None
     source = Path(file.source) if file else None
     return Progress(
         done=done,
@@ -632,7 +632,7 @@ def _start_jupyterlab(folder: Path, port: int) -> tuple["subprocess.Popen[bytes]
     settings = [str(JUPYTER_SETTINGS), *filter(None, [os.environ.get("JUPYTER_CONFIG_PATH")])]
     paths = [sysconfig.get_path("scripts"), *filter(None, [os.environ.get("PATH")])]
     environment = {
-        # JupyterLab's terminals find `course`, also if no virtual environment was activated.
+        # JupyterLab's terminals find `course` even if no virtual environment was activated.
         "PATH": os.pathsep.join(paths),
         "JUPYTER_TOKEN": token,
         "JUPYTER_CONFIG_PATH": os.pathsep.join(settings),

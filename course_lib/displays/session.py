@@ -333,7 +333,7 @@ class RvizSession:
                 with contained(display.statuses, "Update"):
                     display.update()
         if self.context.is_drawn:
-            self._place_attached()
+            self._place_attached_nodes()
         with contained(self.statuses, "View"):
             camera = self._view.camera(self.context.frames) if self.context.is_drawn else None
             is_framed = camera is not None and self._frame_drawings(camera, is_opened)
@@ -360,7 +360,7 @@ class RvizSession:
         self._attached[path] = _AttachedNode(frame, transform_node_to_frame)
         self.refresh()
 
-    def _place_attached(self) -> None:
+    def _place_attached_nodes(self) -> None:
         """Move the attached nodes whose frames have moved.
 
         Others are left alone, because each change is drawn again.
@@ -392,7 +392,7 @@ class RvizSession:
         return self._camera if self._framing is not None and isinstance(self._view, Orbit) else None
 
     def show_all(self, scenes: Iterable[Scene]) -> None:
-        """Move a default view so that it shows what is drawn in several scenes."""
+        """Move a default view so that it shows all objects in several scenes."""
         camera = self.default_camera()
         if self._framing is None or not isinstance(self._view, Orbit) or camera is None:
             return

@@ -434,7 +434,7 @@ _NEAREST, _FARTHEST = 2.0, 500.0
 
 
 class Framing:
-    """Moves a view that neither a program, a layout nor a user has set, so that it shows what is drawn.
+    """Moves a view that neither a program, a layout nor a user has set, so that it shows all objects.
 
     RViz starts 10 m from the origin, whatever is drawn. Here, the default view is moved so that all
     drawn objects and the origin are in the image: when something is drawn for the first time, and
@@ -485,7 +485,7 @@ class Framing:
         return (is_first or not _shows(camera, corners)) and _move(view, corners)
 
     def include(self, view: Orbit, camera: Camera, scenes: Iterable[Scene]) -> bool:
-        """Move a view so that it shows what is drawn in scenes, like those of a recording.
+        """Move a view so that it shows all objects in scenes, for example those of a recording.
 
         Args:
             view: The view to move.

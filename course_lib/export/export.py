@@ -15,7 +15,7 @@ from course_lib.export.module import (
     Main,
     NodeModule,
     Statement,
-    collect_needed,
+    collect_needed_statements,
     dependencies,
     displays,
     frames,
@@ -142,14 +142,14 @@ def _module(
     left_out: Sequence[Statement],
 ) -> NodeModule:
     assert isinstance(root.node, ast.ClassDef)
-    parts = collect_needed(root, exported, left_out)
+    parts = collect_needed_statements(root, exported, left_out)
     classes = frozenset().union(*(one.bindings for one in roots))
     main = next(
         (s for s in reversed(exported) if "main" in s.bindings and s.later & classes == root.bindings), None
     )
     if main is None:
         return NodeModule(root.node, parts, Main.MADE)
-    of_main = collect_needed(main, exported, left_out)
+    of_main = collect_needed_statements(main, exported, left_out)
     parts = sorted({one.order: one for one in (*parts, *of_main)}.values(), key=lambda one: one.order)
     return NodeModule(root.node, parts, Main.OWN)
 

@@ -371,7 +371,7 @@ def node_classes(code: Sequence[Statement], names: Sequence[str]) -> list[Statem
     return sorted(selected, key=lambda one: one.order)
 
 
-def collect_needed(
+def collect_needed_statements(
     root: Statement, code: Sequence[Statement], left_out: Sequence[Statement]
 ) -> list[Statement]:
     """Collect a statement and all statements that it needs, in the order of the source.

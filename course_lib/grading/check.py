@@ -61,7 +61,7 @@ def check(task_id: str, subject: Any = MISSING) -> None:
 
     Args:
         task_id: The task, "week01.post".
-        subject: What the task asks for: the node class itself, a function, a value or a string.
+        subject: What the task requires: the node class itself, a function, a value or a string.
 
     Raises:
         CourseError: The task does not exist or no object was passed; or, with COURSE_STRICT=1, a
@@ -119,7 +119,7 @@ def save_progress(task: Task, result: TaskResult, cells: Sequence[str]) -> None:
 
 def next_step(catalog: Catalog, task: Task) -> str:
     """Return the sentence after a task that has passed: its next task, or how to hand in after the last."""
-    tasks = catalog.of_week(task.week)
+    tasks = catalog.tasks_of_week(task.week)
     place = tasks.index(task) + 1
     if place == len(tasks):
         command = f"course submit {task.week}_exercise.ipynb"

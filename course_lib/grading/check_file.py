@@ -37,7 +37,7 @@ def check_file(path: Path) -> bool:
     path = find_notebook(path)
     notebook, catalog = parse_notebook(unpack(path)[0], path.name), shipped_catalog()
     week = (notebook.exercise or "").split("_")[0]
-    tasks = catalog.of_week(week)
+    tasks = catalog.tasks_of_week(week)
     if not tasks:
         weeks = catalog.course.weeks
         if not WEEK.fullmatch(week) or week in weeks:

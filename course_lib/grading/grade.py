@@ -152,7 +152,7 @@ def installed_kit() -> tuple[str, str]:
 def judge_trial(trial: Trial, course: store.Course, evidence_file: Path) -> str:
     """Judge stored evidence with the current checks, and return an error message if the mark is wrong."""
     catalog = store.catalog_of(course)
-    tasks = catalog.of_week(trial.exercise.split("_")[0])
+    tasks = catalog.tasks_of_week(trial.exercise.split("_")[0])
     evidence = unpack(evidence_file.read_bytes(), plan_scenarios(tasks, catalog, hidden=True))
     judgement = judge(evidence, tasks, catalog)
     marked_tasks = [task for task in judgement.tasks if not task.rubric]
@@ -169,7 +169,7 @@ def judge_trial(trial: Trial, course: store.Course, evidence_file: Path) -> str:
 
 def _trials(exercise: str, solution: Path, course: store.Course) -> Iterator[Trial]:
     catalog = store.catalog_of(course)
-    tasks = catalog.of_week(exercise.split("_")[0])
+    tasks = catalog.tasks_of_week(exercise.split("_")[0])
     steps = tuple(step.without_checks() for step in plan_scenarios(tasks, catalog, hidden=True))
     stub = course.exercises / f"{exercise}.ipynb"
     texts = {
@@ -514,7 +514,7 @@ def _judge_one(
         return faults.get(submission.key)
     try:
         catalog = store.catalog_of(course)
-        tasks = catalog.of_week(submission.exercise.split("_")[0])
+        tasks = catalog.tasks_of_week(submission.exercise.split("_")[0])
         packed_evidence = store.evidence_path(out, submission.key).read_bytes()
         return judge(unpack(packed_evidence, plan_scenarios(tasks, catalog, hidden=True)), tasks, catalog)
     except Exception as error:

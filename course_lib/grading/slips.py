@@ -733,7 +733,7 @@ def _odd_operators(function: Function) -> Iterator[str]:
                 ops=[ast.Is() | ast.IsNot() as operator], comparators=[ast.Constant(value=value)]
             ) if isinstance(value, str | int | float) and not isinstance(value, bool):
                 sign = "==" if isinstance(operator, ast.Is) else "!="
-                yield f"{_quote(node)} asks for the same object: values are compared with {sign}."
+                yield f"{_quote(node)} tests whether both are one object: compare values with {sign}."
 
 
 def _unreachable(block: Sequence[ast.stmt]) -> Iterator[str]:

@@ -299,7 +299,7 @@ class Catalog:
             raise CourseError(f"there is no task {task_id!r}{suggestion}")
         return self.tasks[task_id]
 
-    def of_week(self, week: str) -> list[Task]:
+    def tasks_of_week(self, week: str) -> list[Task]:
         """Return the tasks of one week, in order.
 
         Raises:
@@ -332,13 +332,13 @@ def load_catalog(exercises: Path, solutions: Path | None = None) -> Catalog:
     faults = {**_weeks_without_points(exercises, course), **course.faults}
     for week in (week for week, settings in course.weeks.items() if settings.points):  # Week 0 has no tasks.
         try:
-            of_week = _load_week(exercises, course, week)
-            hidden |= _load_hidden(solutions / "checks" / f"{week}.py", of_week) if solutions else {}
+            tasks_of_week = _load_week(exercises, course, week)
+            hidden |= _load_hidden(solutions / "checks" / f"{week}.py", tasks_of_week) if solutions else {}
             # In a student's copy the hidden checks are missing, which may be the only ones with a
             # weight.
             if solutions:
-                _reject_weightless(exercises / "checks" / f"{week}.py", of_week, hidden)
-            tasks |= of_week
+                _reject_weightless(exercises / "checks" / f"{week}.py", tasks_of_week, hidden)
+            tasks |= tasks_of_week
         except CourseError as error:
             faults[week] = str(error)
     return Catalog(course, tasks, hidden, faults)

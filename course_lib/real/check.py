@@ -14,7 +14,7 @@ from typing import Any
 
 from course_lib.course.exercise import current_identity, find_notebook
 from course_lib.errors import CourseError, format_count
-from course_lib.export.module import Statement, collect_needed, read_cells, statements
+from course_lib.export.module import Statement, collect_needed_statements, read_cells, statements
 from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.inputs import build, personal_values
 from course_lib.grading.judge import judge_task
@@ -255,7 +255,7 @@ def results_on_ros(path: Path, environment: RealEnvironment) -> Iterator[RealRes
     """Yield the result of each task of an exercise; see `check_on_ros`."""
     path = find_notebook(path)
     notebook, catalog = parse_notebook(unpack(path)[0], path.name), shipped_catalog()
-    tasks = catalog.of_week((notebook.exercise or "").split("_")[0])
+    tasks = catalog.tasks_of_week((notebook.exercise or "").split("_")[0])
     if not tasks:
         raise CourseError(f"{path} {NO_EXERCISE}")
     import_path.install()
@@ -324,7 +324,7 @@ def _module_text(
     root = next((one for one in reversed(code) if task.name in one.bindings and not one.is_import), None)
     if root is None:
         raise CourseError(f"no cell defines {task.name}.")
-    parts = [part for part in collect_needed(root, code, []) if part.text != MY_VALUES]
+    parts = [part for part in collect_needed_statements(root, code, []) if part.text != MY_VALUES]
     kit_imports = [part.text for part in parts if part.is_import and "course_lib" in part.text]
     if kit_imports:
         raise CourseError(f"{task.name} uses course_lib ({kit_imports[0]}), which robots do not have.")

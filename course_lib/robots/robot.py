@@ -487,7 +487,7 @@ def load_robot(name: str | Path, **arguments: object) -> Robot:
 
 
 def _advice_for_macros(text: str) -> str:
-    """Return what to do with a xacro file that only defines macros, or "" for any other file."""
+    """Return advice for a xacro file that only defines macros, or "" for any other file."""
     macros = re.findall(r"<xacro:macro\s[^>]*?name\s*=\s*[\"']([\w.:-]+)", text)
     if not macros:
         return ""

@@ -690,7 +690,7 @@ def synonyms(name: str) -> tuple[str, ...]:
 
 
 def is_angle(name: str) -> bool:
-    """Return whether a name is that of an angle, such as yaw, which students expect in a quaternion."""
+    """Return whether a name denotes an angle, such as yaw, which students expect in a quaternion."""
     return name.lower() in _ANGLES
 
 

@@ -483,13 +483,13 @@ def _discard_measurements(values_ns: deque[int], write: Write) -> None:
 def bandwidth(sizes: list[int], seconds: float) -> str:
     """Return the bandwidth and message sizes over a time [s] as text, in a unit that suits the bandwidth."""
     rate = sum(sizes) / seconds
-    total, mean, smallest, largest = in_bytes(rate, sum(sizes) / len(sizes), min(sizes), max(sizes))
+    total, mean, smallest, largest = format_byte_sizes(rate, sum(sizes) / len(sizes), min(sizes), max(sizes))
     return (
         f"{total}/s from {len(sizes)} messages\n\tMessage size mean: {mean} min: {smallest} max: {largest}\n"
     )
 
 
-def in_bytes(*numbers: float) -> list[str]:
+def format_byte_sizes(*numbers: float) -> list[str]:
     """Return numbers of bytes as text, in a unit that suits the first number."""
     divisor, unit, digits = next((by, name, n) for below, by, name, n in _UNITS if numbers[0] < below)
     return [f"{number / divisor:.{digits}f} {unit}" for number in numbers]

@@ -234,7 +234,7 @@ def test_answer_with_unintended_change_is_reported(
     cells = cells_of(course.solutions / "week09_solution.ipynb")
     try:
         answers = read_answers(course.solutions, "week09")
-        found = make_edits(catalog_of(course).of_week("week09"), answers, cells, GENERAL)
+        found = make_edits(catalog_of(course).tasks_of_week("week09"), answers, cells, GENERAL)
         messages = [str(flaw) for flaw in found if isinstance(flaw, Flaw)]
     except CourseError as error:
         messages = [str(error)]

@@ -54,7 +54,7 @@ def main(weeks: list[str]) -> int:
     sums = [0, 0, 0, 0]
     with executors(os.cpu_count() or 1, None) as (_, pool, _):
         for week in weeks:
-            tasks = [task for task in catalog_of(COURSE).of_week(week) if not task.rubric]
+            tasks = [task for task in catalog_of(COURSE).tasks_of_week(week) if not task.rubric]
             for name, code, of in right_answers(week, tasks) if tasks else ():
                 begin = time.monotonic()
                 tried_deletions = list(deletions(code, of))

@@ -137,7 +137,7 @@ def compared(simulated: SimulatedClass) -> list[str]:
 
 def summary(simulated: SimulatedClass, submissions: dict[str, list[HandIn]]) -> str:
     """Return the numbers of hand-ins, runs and states."""
-    kinds = Counter(submission.kind for of_week in submissions.values() for submission in of_week)
+    kinds = Counter(submission.kind for tasks_of_week in submissions.values() for submission in tasks_of_week)
     with (simulated.top / "graded" / "gradebook.csv").open(newline="") as file:
         states = Counter(row["status"] for row in csv.DictReader(file))
     runs = len(list((simulated.top / "graded" / "evidence").glob("*.gz")))

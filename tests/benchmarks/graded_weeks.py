@@ -20,7 +20,7 @@ from tests.notebooks.graded import STUDENT, WEEKS, catalog, cells_of, solution
 
 def submissions(week: str, max_count: int) -> list[list[str]]:
     """Return the cells of the solution and of so many of its mutants at most, spread over all of them."""
-    cells, names = cells_of(solution(week)), "|".join(task.name for task in catalog().of_week(week))
+    cells, names = cells_of(solution(week)), "|".join(task.name for task in catalog().tasks_of_week(week))
     positions = [
         n for n, cell in enumerate(cells) if re.search(rf"^(class|def) ({names})\b", cell, re.MULTILINE)
     ]
@@ -35,7 +35,7 @@ def submissions(week: str, max_count: int) -> list[list[str]]:
 
 def cost(cells: list[str], week: str) -> tuple[float, float]:
     """Return the CPU time [s] of all processes in the jail, and of the grader."""
-    steps = plan_scenarios(catalog().of_week(week), catalog(), hidden=True)
+    steps = plan_scenarios(catalog().tasks_of_week(week), catalog(), hidden=True)
     begun = time.process_time()
     evidence = run_scenarios(Job(tuple(cells), STUDENT, steps, catalog().course.limits))
     return evidence.usage.cpu_seconds, time.process_time() - begun

@@ -9,7 +9,7 @@ from course_lib.grading.task import load_catalog
 
 def test_catalog_contains_tasks_points_and_hidden_scenarios(course: Course) -> None:
     catalog = load_catalog(course.exercises, course.solutions)
-    assert [task.id for task in catalog.of_week("week01")] == [
+    assert [task.id for task in catalog.tasks_of_week("week01")] == [
         "week01.red_cube",
         "week01.half",
         "week01.answer",
@@ -114,7 +114,7 @@ def test_malformed_course_file_is_reported_with_its_path(
     path = course.exercises.parent / file
     path.write_text(path.read_text().replace(old, new))
     with pytest.raises(CourseError) as refusal:
-        load_catalog(course.exercises, course.solutions).of_week("week01")
+        load_catalog(course.exercises, course.solutions).tasks_of_week("week01")
     assert message in str(refusal.value)
     assert path.name in str(refusal.value)
 
@@ -124,8 +124,8 @@ def test_faulty_week_does_not_affect_other_weeks(course: Course) -> None:
     path.write_text(path.read_text() + '[weeks.week02]\ntitle = "Two"\n[weeks.week02.points]\nx = 100\n')
     (course.exercises / "checks/week02.py").write_text("TASKS = (Tsk(),)\n")
     catalog = load_catalog(course.exercises, course.solutions)
-    assert len(catalog.of_week("week01")) == 3
-    for look in (lambda: catalog.of_week("week02"), lambda: catalog.task("week02.x")):
+    assert len(catalog.tasks_of_week("week01")) == 3
+    for look in (lambda: catalog.tasks_of_week("week02"), lambda: catalog.task("week02.x")):
         with pytest.raises(CourseError, match=r"week02\.py line 1: NameError: name 'Tsk' is not defined"):
             look()
 
@@ -133,7 +133,7 @@ def test_faulty_week_does_not_affect_other_weeks(course: Course) -> None:
 def test_week_missing_in_course_toml_is_reported_with_the_entry_to_write(course: Course) -> None:
     (course.exercises / "checks/week07.py").write_text("TASKS = ()\n")
     with pytest.raises(CourseError, match=r"course\.toml has no points for week07.*add \[weeks\.week07\]"):
-        load_catalog(course.exercises).of_week("week07")
+        load_catalog(course.exercises).tasks_of_week("week07")
 
 
 def test_extension_applies_to_every_spelling_of_an_id(course: Course) -> None:
@@ -147,6 +147,6 @@ def test_extension_applies_to_every_spelling_of_an_id(course: Course) -> None:
 def test_missing_course_file_is_reported(course: Course) -> None:
     (course.exercises / "checks/week01.py").unlink()
     with pytest.raises(CourseError, match=r"week01\.py is missing"):
-        load_catalog(course.exercises).of_week("week01")
+        load_catalog(course.exercises).tasks_of_week("week01")
     with pytest.raises(CourseError, match="can't be read"):
         read_course_file(course.exercises / "nothing.toml")

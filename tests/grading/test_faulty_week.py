@@ -56,11 +56,11 @@ def test_faulty_week_is_reported_with_its_line_only_when_the_week_is_needed(
 ) -> None:
     path = write(course, TWO.replace(old, new))
     catalog = load_catalog(course.exercises, course.solutions)
-    assert len(catalog.of_week("week01")) == 3
+    assert len(catalog.tasks_of_week("week01")) == 3
     course_file = read_course_file(path)
     course_file.require_valid("week01")
     for look in (
-        lambda: catalog.of_week("week02"),
+        lambda: catalog.tasks_of_week("week02"),
         lambda: catalog.task("week02.post"),
         lambda: course_file.deadline("week02", "ada"),
         course_file.require_valid,
@@ -75,7 +75,7 @@ def test_missing_points_are_not_reported_for_a_faulty_week(course: Course) -> No
     write(course, FAULTY)
     (course.exercises / "checks/week02.py").write_text("TASKS = ()\n")
     with pytest.raises(CourseError, match=SAID):
-        load_catalog(course.exercises).of_week("week02")
+        load_catalog(course.exercises).tasks_of_week("week02")
 
 
 def test_faults_key_in_the_course_file_is_rejected(course: Course) -> None:

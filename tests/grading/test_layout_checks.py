@@ -185,7 +185,7 @@ def test_displays_with_every_class_and_value_do_not_earn_full_marks() -> None:
         "cells": "the layout has 2 enabled displays Grid, expected at most 1: remove or disable the others"
     }
     assert failing(checks, LAYOUT.replace("  Displays:\n", "  Displays:\n" + all_kinds, 1), cells=20) == {
-        "drawn": "the layout has 6 enabled displays that the task does not ask for: remove or disable them"
+        "drawn": "the layout has 6 enabled displays that the task does not require: remove or disable them"
     }
     counting = (*checks, expect_displays_on("/scan").worth(0))
     assert failing(counting, several, cells=30) == {}

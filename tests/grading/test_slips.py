@@ -25,7 +25,7 @@ SLIPS = [
     (("period = 1 // self.rate", "return period"), '"1 // self.rate" is 0 for every number above 1'),
     (
         ("if self.name is 'map':", "    return 1"),
-        "\"self.name is 'map'\" asks for the same object: values are",
+        "\"self.name is 'map'\" tests whether both are one object: compare",
     ),
     (("rclpy.spin_once(self)", "return 1"), '"rclpy.spin_once" in tick waits for callbacks'),
     (("count = 0", "++count", "print(count)"), '"++count" changes nothing: write count += 1'),

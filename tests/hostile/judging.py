@@ -119,7 +119,7 @@ def right_runs(weeks: Sequence[str] = ()) -> list[Run]:
     catalog = load_catalog(exercises_dir(), solutions_dir())
     runs: list[Run] = []
     for week in weeks or catalog.course.weeks:
-        path, tasks = solutions_dir() / f"{week}_solution.ipynb", catalog.of_week(week)
+        path, tasks = solutions_dir() / f"{week}_solution.ipynb", catalog.tasks_of_week(week)
         if tasks:
             cells = parse_notebook(path.read_bytes(), path.name).cells
             steps = plan_scenarios(tasks, catalog, hidden=True)

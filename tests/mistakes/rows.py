@@ -56,7 +56,7 @@ class Mistake:
 
 def mistakes_of(week: str) -> list[Mistake]:
     """Return the mistakes of an exercise: the edits that fit any task, then the wrong answers of the week."""
-    tasks = [task for task in catalog().of_week(week) if task.kind in KINDS and _cell_of(task)]
+    tasks = [task for task in catalog().tasks_of_week(week) if task.kind in KINDS and _cell_of(task)]
     return [*_edits(tasks), *_wrong_answers(week, tasks)]
 
 

@@ -61,12 +61,12 @@ def marked(cells: Sequence[str], tasks: Sequence[Task], *, hidden: bool = True) 
 @cache
 def run_of(path: Path) -> Marked:
     """Run and judge a file: a solution, an exercise as it is handed out, or an answer."""
-    return marked(cells_of(path), catalog().of_week(path.name[:6]))
+    return marked(cells_of(path), catalog().tasks_of_week(path.name[:6]))
 
 
 def defined(cells: Sequence[str], week: str) -> dict[str, Any]:
     """Return the names that a notebook defines, executed in this process without views and runs."""
-    set_values({task.id: personal_values(task, STUDENT) for task in catalog().of_week(week)})
+    set_values({task.id: personal_values(task, STUDENT) for task in catalog().tasks_of_week(week)})
     namespace: dict[str, Any] = {}
     for number, cell in enumerate(re.sub(r"^%.*\n", "", cell) for cell in cells):
         if re.match(DEFINITION, cell):
@@ -87,4 +87,4 @@ def evidence_here(
 
 def judged(week: str) -> list[Task]:
     """Return the tasks that are judged by checks, without manually marked ones."""
-    return [task for task in catalog().of_week(week) if not task.rubric]
+    return [task for task in catalog().tasks_of_week(week) if not task.rubric]

@@ -11,7 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.errors import CourseError
-from course_lib.export.module import Statement, collect_needed, node_classes, read_cells, statements
+from course_lib.export.module import (
+    Statement,
+    collect_needed_statements,
+    node_classes,
+    read_cells,
+    statements,
+)
 from course_lib.grading.inputs import personal_values
 from course_lib.grading.task import shipped_catalog
 from course_lib.real.check import CALL, MY_VALUES
@@ -58,7 +64,9 @@ def _programs_of(notebook: Path) -> Iterator[tuple[str, str]]:
         return
     for class_statement in classes:
         needed_texts = [
-            needed.text for needed in collect_needed(class_statement, code, []) if needed.text != MY_VALUES
+            needed.text
+            for needed in collect_needed_statements(class_statement, code, [])
+            if needed.text != MY_VALUES
         ]
         # As in a program for a robot, the student's own numbers are written out.
         text = CALL.sub(lambda task: repr(_own_values(task[1])), "\n\n".join(needed_texts))

@@ -156,7 +156,7 @@ def _runs(result: Result, out: Path, catalog: Catalog) -> tuple[Run, ...]:
     """Return the evidence from which scenes are drawn; without it the page has no scenes."""
     if result.judgement is None:
         return ()
-    tasks = catalog.of_week(result.submission.exercise.split("_")[0])
+    tasks = catalog.tasks_of_week(result.submission.exercise.split("_")[0])
     try:
         packed_evidence = store.evidence_path(out, result.submission.key).read_bytes()
         return unpack(packed_evidence, plan_scenarios(tasks, catalog, hidden=True)).runs

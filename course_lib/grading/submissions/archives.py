@@ -340,7 +340,9 @@ def working_files(path: Path, cells: Sequence[str]) -> dict[str, str]:
     Raises:
         CourseError: They can't be read.
     """
-    unpacked = _read_packed(path) if path.suffix.lower() == ".zip" else _read_folder(path.parent, cells)
+    unpacked = (
+        _read_working_files(path) if path.suffix.lower() == ".zip" else _read_folder(path.parent, cells)
+    )
     files: dict[str, str] = {}
     try:
         for name, data in unpacked:
@@ -365,7 +367,7 @@ def _read_folder(folder: Path, cells: Sequence[str]) -> Iterator[tuple[str, byte
                 yield name, file.read(MAX_WORKING_BYTES + 1)
 
 
-def _read_packed(path: Path) -> Iterator[tuple[str, bytes]]:
+def _read_working_files(path: Path) -> Iterator[tuple[str, bytes]]:
     with open_zip(read_bytes(path)) as archive:
         for info in archive.infolist()[: 2 * MAX_WORKING_FILES]:
             name = _member_name(info).removeprefix(WORKING_FOLDER)

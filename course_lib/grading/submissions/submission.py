@@ -498,7 +498,7 @@ def _add_twins(submission: Submission, twin_names: Collection[str]) -> Submissio
 def _plan_job(submission: Submission, course: Course) -> tuple[Submission, Job | None]:
     """Return a submission without its code, but with the key of its evidence, and the job to run."""
     catalog = catalog_of(course)
-    tasks = catalog.of_week(submission.exercise.split("_")[0])
+    tasks = catalog.tasks_of_week(submission.exercise.split("_")[0])
     notebook, bare = submission.notebook, replace(submission, notebook=None, files={})
     if notebook is None:
         return bare, None

@@ -22,7 +22,7 @@ from course_lib.course.state import (
     find_student_folder,
     first_lesson,
     last_check,
-    save_packed,
+    save_packed_submission,
     state_of,
 )
 from course_lib.course.student_folder import content_hash as digest_of_cells
@@ -270,12 +270,12 @@ def _record_submission(path: Path, notebook: Notebook, out: Path, time: str) -> 
     state = state_of(folder)
     if folder is not None:
         state.put("packed", exercise, time)
-    of_week = shipped_catalog().of_week(exercise.split("_")[0])
+    tasks_of_week = shipped_catalog().tasks_of_week(exercise.split("_")[0])
     hand_in = NotebookReview(
-        path, notebook, of_week, state, state.get("identity", "student") or current_identity()
+        path, notebook, tasks_of_week, state, state.get("identity", "student") or current_identity()
     )
     if folder is not None and path.suffix == ".ipynb":
         tasks = tuple((name, one.outcome) for name, one in hand_in.tasks.items())
         files = str(out.resolve()), str(path.resolve())
-        save_packed(state, exercise, PackedSubmission(time, *files, digest_of_cells(path), tasks))
+        save_packed_submission(state, exercise, PackedSubmission(time, *files, digest_of_cells(path), tasks))
     return hand_in.warnings()

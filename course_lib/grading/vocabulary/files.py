@@ -316,7 +316,7 @@ def _check_surplus(
         return [Problem(f"{message}: remove or disable the others", TOO_MANY)]
     other_count = sum(display_counts.values()) - sum(display_counts[name] for name in classes)
     if other_count > max(MOST_OTHERS, len(classes)) and own_row is _last_row_with_weight(rows):
-        message = f"the layout has {other_count} enabled displays that the task does not ask for"
+        message = f"the layout has {other_count} enabled displays that the task does not require"
         return [Problem(f"{message}: remove or disable them", TOO_MANY)]
     return []
 

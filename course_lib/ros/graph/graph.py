@@ -385,7 +385,7 @@ class _ProgramName(threading.local):
     name = ""
 
 
-# The name of the program, among those that share a graph, to which the calling thread belongs.
+# The program of the calling thread. Several programs can share a graph.
 program = _ProgramName()
 _current = Graph()
 

@@ -313,7 +313,7 @@ class _InterfaceTypesFinder(Loader):
         from course_lib.ros.messages.message import fill_module
 
         if "." not in module.__name__:
-            vars(module)["__getattr__"] = partial(_types_of_loaded, module.__name__)
+            vars(module)["__getattr__"] = partial(_loaded_types_module, module.__name__)
             return
         folder = Path(str(module.__spec__ and module.__spec__.origin))
         if folder.parent != STANDIN:
@@ -333,7 +333,7 @@ def _interface_folders(package: str, path: Sequence[str]) -> Iterator[Path]:
             yield from (above for above in folder.parents[:2] if name_of(above / MANIFEST) == package)
 
 
-def _types_of_loaded(package: str, name: str) -> ModuleType:
+def _loaded_types_module(package: str, name: str) -> ModuleType:
     """Return `std_msgs.msg` if a message of std_msgs is loaded, since ROS has imported it then."""
     from course_lib.ros.messages.message import loaded
 

@@ -1,4 +1,4 @@
-"""Lines about a link that users read: what is wrong between this kit and the robot, and what to do."""
+"""Messages about a link for users: problems between this kit and the robot, and the next step."""
 
 import errno
 import re

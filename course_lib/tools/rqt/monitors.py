@@ -26,7 +26,7 @@ from course_lib.ros.messages.definitions import PRIMITIVES, definition
 from course_lib.ros.time import wall
 from course_lib.tools.rqt.view import RqtView, chart, colour_of, drawing, icon, table, tag, text
 from course_lib.tools.sources import PLAYER
-from course_lib.tools.topic import in_bytes
+from course_lib.tools.topic import format_byte_sizes
 
 _LOG = "rcl_interfaces/msg/Log"
 # Number of messages, as in rqt_console.
@@ -177,7 +177,7 @@ class TopicView(RqtView):
         seconds = (window[-1][0] - window[0][0]) * 1e-9 if len(window) > 1 else 0.0
         rates = ["", ""]
         if seconds:
-            (bandwidth,) = in_bytes(sum(size for _, size in window[1:]) / seconds)
+            (bandwidth,) = format_byte_sizes(sum(size for _, size in window[1:]) / seconds)
             rates = [f"{bandwidth}/s", f"{(len(window) - 1) / seconds:.2f}"]
         last = self._last_samples.get(topic)
         value = to_csv(last.message(), PrintOptions(truncate=8))[:200] if last else "no message yet"

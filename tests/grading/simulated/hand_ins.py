@@ -64,7 +64,7 @@ class HandIn:
 
 @cache
 def tasks_of(week: str) -> tuple[Task, ...]:
-    return tuple(catalog().of_week(week))
+    return tuple(catalog().tasks_of_week(week))
 
 
 def all_get(week: str, points: str) -> dict[str, str]:

@@ -49,7 +49,7 @@ class QoSRequestedIncompatibleQoSInfo(QoSRequestedDeadlineMissedInfo):
 
 @dataclass
 class QoSSubscriptionMatchedInfo(QoSRequestedDeadlineMissedInfo):
-    """The number of matched endpoints in total, and the number of those that still exist."""
+    """The total number of matched endpoints, and the number that still exist."""
 
     current_count: int
     current_count_change: int
