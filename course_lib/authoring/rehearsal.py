@@ -73,7 +73,7 @@ def _reset_fields(message: Any, *, names: Sequence[str]) -> None:
 
 
 def _blank_value(value: Any, default: Any) -> Any:
-    """Return an array of zeros of the same length for an array, and else the default."""
+    """Return an array of zeros of the same length for an array, otherwise the default."""
     if isinstance(value, np.ndarray):
         return np.zeros_like(value)
     return array(value.typecode, [0] * len(value)) if isinstance(value, array) else default

@@ -83,7 +83,7 @@ _READ_ONLY = (
 
 
 def student_state() -> State:
-    """Return the state of the student's folder around the working directory, or else of this process."""
+    """Return the state of the student's folder around the working directory, otherwise of this process."""
     return state_of(find_student_folder())
 
 
@@ -200,7 +200,7 @@ def course_package() -> Path:
     """Return the folder of the course's package.
 
     Without an installed course, this is the kit itself. If several courses are installed, the one
-    whose project contains the current folder is used, or else the one named by COURSE_PACKAGE.
+    whose project contains the current folder is used, otherwise the one that COURSE_PACKAGE names.
 
     Raises:
         CourseError: Several courses are installed and none is selected.

@@ -415,7 +415,7 @@ def _is_node(one: Statement, classes: dict[str, Statement]) -> bool:
 def _find_binding(
     name: str, user: Statement, code: Sequence[Statement], left_out: Sequence[Statement], *, at: int
 ) -> Statement | None:
-    """Find the last statement before `at` that binds a name, or else the first one after it."""
+    """Find the last statement before `at` that binds a name; without one, the first after it."""
     givers = [one for one in code if name in one.bindings or "*" in one.bindings]
     before = [one for one in givers if one.order < at]
     if givers:

@@ -131,7 +131,7 @@ def default_folder() -> Path:
 
 
 def find_environment() -> RealEnvironment:
-    """Return the environment selected by REAL_ROS_PYTHON, or else the installed one.
+    """Return the environment selected by REAL_ROS_PYTHON, by default the installed one.
 
     Raises:
         CourseError: It does not exist, or its versions are not the pinned ones.

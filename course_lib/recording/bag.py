@@ -362,7 +362,7 @@ def _unpack_records(file: BinaryIO) -> Iterator[tuple[int, bytes]]:
 
 
 def _check_stamp(stamp_ns: int) -> None:
-    """Raise a ValueError for a time that MCAP can store and ROS, whose times have 63 bits, cannot."""
+    """Raise a ValueError for a time above 63 bits, which MCAP can store but ROS cannot."""
     if stamp_ns >= 2**63:
         raise ValueError(f"a message has the time {stamp_ns} ns, which is beyond the last time of ROS")
 

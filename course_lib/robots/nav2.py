@@ -89,7 +89,7 @@ def read_settings(path: Path) -> MapSettings:
     if not isinstance(content, Mapping):
         keys = "image, resolution, origin, negate, occupied_thresh and free_thresh"
         raise MapYamlError(f"{path}: expected a mapping with {keys}, got {content!r:.40}.")
-    values = _Values(path, content)
+    values = _YamlValues(path, content)
     mode = str(content.get("mode", "trinary")).lower()
     if mode not in MODES:
         raise MapYamlError(f"{path}: mode: {content['mode']!r}, expected trinary, scale or raw.")
@@ -104,7 +104,7 @@ def read_settings(path: Path) -> MapSettings:
     )
 
 
-class _Values(NamedTuple):
+class _YamlValues(NamedTuple):
     """Typed access to the keys of a map's YAML file."""
 
     path: Path

@@ -75,7 +75,7 @@ class RobotPart(Node):
             CourseError: The robot does not run.
         """
         if self.executor is None:
-            raise CourseError("This robot does not run. Start it with run_live(...), then use %ros2.")
+            raise CourseError("This robot is not running. Start it with run_live(...), then use %ros2.")
         key = f"{self._serial} {self.get_fully_qualified_name()} {len(options)}"
         digest = hashlib.blake2b(key.encode(), digest_size=8).digest()
         return options[int.from_bytes(digest, "big") % len(options)]

@@ -91,7 +91,7 @@ def _grid(place: Callable[[Floats, Floats], Floats]) -> Surface:
     return place(u, v), np.column_stack([u, v]), faces
 
 
-def _join(*surfaces: Surface) -> Surface:
+def _merge_surfaces(*surfaces: Surface) -> Surface:
     starts = np.cumsum([0, *(len(vertices) for vertices, _, _ in surfaces[:-1])])
     return (
         np.concatenate([vertices for vertices, _, _ in surfaces]),
@@ -119,7 +119,7 @@ def _box(box: Json) -> Surface:
 
         return _grid(place)
 
-    return _join(*(side(*one) for one in sides))
+    return _merge_surfaces(*(side(*one) for one in sides))
 
 
 def _sphere(ball: Json) -> Surface:
@@ -153,7 +153,7 @@ def _cylinder_surface(cylinder: Json) -> Surface:
         flat = np.column_stack([np.cos(around), np.sin(around) * sign]) * polar[:, 1:] / 2 + 0.5
         return points, flat, faces
 
-    return _join(_grid(wall), cap(top, 1.0), cap(bottom, -1.0))
+    return _merge_surfaces(_grid(wall), cap(top, 1.0), cap(bottom, -1.0))
 
 
 def _triangles(geometry: Json) -> Surface:

@@ -111,7 +111,7 @@ def test_inactive_robot_reveals_nothing(graph: Graph) -> None:
     assert detector.get_parameter("threshold").value == 0.5
     assert not any("Trigger" in str(types) for _, types in base.get_service_names_and_types())
     assert base.get_publishers_info_by_topic("/robot/scan") == []
-    with pytest.raises(CourseError, match="This robot does not run"):
+    with pytest.raises(CourseError, match="This robot is not running"):
         vars(type(camera))["begin"](camera)
 
 

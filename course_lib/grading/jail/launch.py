@@ -325,7 +325,7 @@ def settle(
                 _move(place, read, links)
                 os.environ.update(dict.fromkeys(HOMES, place.scratch))
                 return place
-    raise OSError("no place for submissions")
+    raise OSError("no jail environment can be set up")
 
 
 def works(layer: Callable[[], object]) -> bool:

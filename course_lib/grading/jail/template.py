@@ -169,7 +169,7 @@ class Template:
         if self._submission == 0:
             try:
                 self._control.detach()
-                channel = _keep_only(*descriptors)
+                channel = _close_other_descriptors(*descriptors)
                 self._run(channel, limits)
             finally:
                 os._exit(0)
@@ -224,7 +224,7 @@ class Template:
                 return usage
 
 
-def _keep_only(channel: int, output: int) -> Channel:
+def _close_other_descriptors(channel: int, output: int) -> Channel:
     """Close all file descriptors except these two."""
     os.setsid()
     for descriptor in (1, 2):

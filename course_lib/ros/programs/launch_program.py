@@ -251,7 +251,7 @@ _SET_BY_SETUP = (
     *("GZ_SIM_RESOURCE_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_RESOURCE_PATH"),
     *("GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH", "GAZEBO_PLUGIN_PATH"),
 )
-# The representation of a substitution or an action, and the length of it that a warning shows.
+# The representation of a substitution or an action, and its maximum length in a warning.
 _OBJECT = re.compile(r"<launch(?:_ros)?\.[\w.]*?(\w+) object at 0x\w+>")
 _MAX_SHOWN = 80
 _ENDS = ("SIGINT", "SIGTERM", "SIGKILL", "SIGQUIT")

@@ -34,13 +34,13 @@ SLEEPS_AFTER_THE_END = 100
 class AtEnd(Enum):
     """The effect of the end of a run on a waiting thread."""
 
-    # The wait returns: a cell, a test, a tool.
+    # For cells, tests and tools: the wait returns.
     RETURN = auto()
-    # The wait raises KeyboardInterrupt, once: the main thread of a program.
+    # For the main thread of a program: the wait raises KeyboardInterrupt, once.
     INTERRUPT = auto()
-    # The wait returns, but only once if it has a timeout: other threads of a program.
+    # For other threads of a program: the wait returns, but only once if it has a timeout.
     SHUT_DOWN = auto()
-    # The thread ends: callbacks that run in their own threads.
+    # For callbacks in their own threads: the thread ends.
     STOP = auto()
 
 

@@ -138,7 +138,7 @@ export interface Layouts {
   files: string[];
 }
 
-/** The whole state of the panels; `tree`, `view` and `tools` are the keys of their rows, parents first. */
+/** The whole state of the panels. `tree`, `view` and `tools` are the keys of their rows, parents first. */
 export interface PanelState {
   tree: string[];
   view: string[];
@@ -174,7 +174,7 @@ export interface OpenPanels {
 export interface LookAgain {
 }
 
-/** Request changed rows from now on, because a panel was opened, or no longer. */
+/** Start or stop requesting changed rows, because a panel was opened or closed. */
 export interface WatchRows {
   watched: boolean;
 }

@@ -16,13 +16,13 @@ PLAIN_PYTHON = [
     (
         "import numpy as np\nnp.array([1.0]).append(2.0)",
         "AttributeError: 'numpy.ndarray' object has no attribute 'append'",
-        "an array keeps its length: collect items in a list, `items.append(item)`, and make the array at "
+        "an array has a fixed length: collect items in a list, `items.append(item)`, and make the array at "
         "the end.",
     ),
     (
         "speed = 2.0\nspeed.x",
         "AttributeError: 'float' object has no attribute 'x'",
-        "this is a plain number, without x: print it, and look where it was set.",
+        "this is a number, which has no x: print it, and look where it was set.",
     ),
     (
         "limits = {'speed': 2.0}\nlimits.speed",
