@@ -178,6 +178,7 @@ def hint(error: BaseException) -> str:
         or _rclpy_attribute_hint(error)
         or near_names.parameter_hint(error)
         or near_names.keyword_hint(error)
+        or _lifecycle_hint(error, text)
         or near_names.surplus_hint(error)
         or near_names.constructor_hint(error)
         or _super_hint(error, text)
@@ -451,6 +452,16 @@ def _super_hint(error: BaseException, text: str) -> str:
         return ""
     is_named = re.search(r"\bsuper\(\s*\w+\s*,", near_names.line_of_student(error))
     return "write `super().__init__('a_name')`, with nothing in super( )." if is_named else ""
+
+
+def _lifecycle_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a transition callback with a wrong signature or result, or ""."""
+    callback = re.search(r"\.(on_(?:configure|activate|deactivate|cleanup|shutdown|error))\(\) takes 1", text)
+    if callback and isinstance(error, TypeError):
+        return f"the callback gets the state before the transition: write `def {callback[1]}(self, state)`."
+    if "TransitionCallbackReturnType.to_label() missing" in text:
+        return "end the callback with `return TransitionCallbackReturn.SUCCESS`, FAILURE or ERROR."
+    return ""
 
 
 def _unbound_hint(error: BaseException, text: str) -> str:

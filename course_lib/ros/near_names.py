@@ -472,10 +472,10 @@ def attribute_hint(error: AttributeError) -> str:
     if isinstance(error.obj, ModuleType) and (found := _hiding_file_hint(error.obj.__name__)):
         return found
     frame = frame_of(error)
+    if isinstance(error.obj, ModuleType) and (found := _module_attribute_hint(error.obj, error.name, frame)):
+        return found
     if frame is not None and error.obj is frame.f_locals.get("self") and error.name in frame.f_locals:
         return f"{error.name} is a variable of this method: write `{error.name}` without self."
-    if isinstance(error.obj, ModuleType) and (found := _module_attribute_hint(error.obj, error.name)):
-        return found
     cls = type(error.obj)
     if is_student_class(cls) and (
         found := _method_outside(error.name, cls) or _local_variable_hint(error.name, cls)
@@ -524,13 +524,17 @@ def attribute_hint(error: AttributeError) -> str:
     return f"did you mean `{similar}`?" if similar else ""
 
 
-def _module_attribute_hint(module: ModuleType, name: str) -> str:
+def _module_attribute_hint(module: ModuleType, name: str, frame: FrameType | None) -> str:
     """Return the hint for a name that is in a module of a package and not in the package, or ""."""
     package = module.__name__
     line = _import_of_interface(name, package) if package in _interfaces() else ""
     if line.startswith(f"from {package}."):
         return f"write `{line}`."
     if "." in package or not hasattr(module, "__path__"):
+        return ""
+    # A library may lack an import itself, as xacro does.
+    file = frame.f_code.co_filename if frame is not None else ""
+    if not file.startswith(_KIT_FOLDER) and not _is_from_student(file):
         return ""
     if any(one.name == name for one in iter_modules(module.__path__)):
         return f"a module of a package is imported by its whole name: `import {package}.{name}`."

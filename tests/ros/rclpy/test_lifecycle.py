@@ -166,6 +166,18 @@ class TestLifecycleNode:
         assert output.endswith(": raise result)\n")
         assert node.befores == [State("unconfigured", 1)] * 2
 
+    def test_callback_with_a_wrong_signature_is_logged_with_a_hint(
+        self, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        class Wrong(LifecycleNode):
+            def on_configure(self) -> Any: ...  # type: ignore[override]
+
+        assert Wrong("wrong").trigger_configure() is ERROR
+        assert capsys.readouterr().out.endswith(
+            "on_configure() takes 1 positional argument but 2 were given; hint: the callback gets the state "
+            "before the transition: write `def on_configure(self, state)`.\n"
+        )
+
     def test_unavailable_transition_raises_the_error_of_rcl(self, capsys: pytest.CaptureFixture[str]) -> None:
         node = Talker()
         with pytest.raises(RCLError, match="Transition is not registered"):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Concatenate, NamedTuple, ParamSpec, TypeV
 from lifecycle_msgs import srv
 from lifecycle_msgs.msg import State, Transition, TransitionDescription, TransitionEvent
 
+from course_lib.ros.hints import hint
 from course_lib.ros.notices import say
 from course_lib.ros.tracebacks import line_of_traceback
 from rclpy.callback_groups import CallbackGroup
@@ -483,7 +484,9 @@ class LifecycleNodeMixin(ManagedEntity):
                 line_of_traceback(error.__traceback__),
             )
             text = f"{name}: {_CALLBACKS[number]}() raised {type(error).__name__}: {error}"
-            say(f"{text} ({place})" if place else text)
+            text = f"{text} ({place})" if place else text
+            help_text = hint(error)
+            say(f"{text}; hint: {help_text}" if help_text else text)
             return TransitionCallbackReturn.ERROR
 
 
