@@ -92,3 +92,17 @@ def test_own_module_in_two_folders_does_not_hide_a_library(
         exec("from my_gripper import open", {"__name__": "__main__"})
     assert hint(raised.value) == "did you mean opened? `from my_gripper import opened`"
     del sys.modules["my_gripper"]
+
+
+def test_module_of_a_package_that_is_not_imported_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "arm_parts").mkdir()
+    for name in ("__init__.py", "hand.py"):
+        (tmp_path / "arm_parts" / name).write_text("")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(AttributeError) as raised:
+        exec(compile("import arm_parts; arm_parts.hand", "cell", "exec"), {"__name__": "__main__"})
+    assert hint(raised.value) == (
+        "a module of a package is imported by its whole name: `import arm_parts.hand`."
+    )

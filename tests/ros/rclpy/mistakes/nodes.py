@@ -318,9 +318,4 @@ NODES = [
         "a timer passes no message. Messages arrive by `self.create_subscription(Marker, "
         "'/a_topic', self.heard, 10)`; a timer calls `def heard(self)`.",
     ),
-    (
-        "rclpy.wait_for_message.wait_for_message(String, node, '/chatter')",
-        "AttributeError: module 'rclpy' has no attribute 'wait_for_message'",
-        "a module of a package is imported by its whole name: `import rclpy.wait_for_message`.",
-    ),
 ]
