@@ -359,7 +359,8 @@ class ScenarioOnRos:
         self._task, self._scenario, self._personal = task, scenario, personal
         self._environment, self._folder = environment, folder
         self._samples: list[Sample] = []
-        self._rejections: list[str] = []
+        # Rejected parameters: the time of the reply, [ns] since 1970, and the reason.
+        self._rejections: list[tuple[int, str]] = []
         self._input_node = -1
         self.packages: list[str] = []
 
@@ -395,12 +396,17 @@ class ScenarioOnRos:
         text, errors = (output.read_text(encoding="utf-8", errors="replace") for output in outputs)
         lines = [line for line in errors.splitlines() if line.strip()]
         raised = (lines[-1] if lines else f"It ended with exit code {code}.",) if is_early and code else ()
+        # As in the kit's evidence, which checks read.
+        rejections = [
+            f"At {(at_ns - begin_ns) * 1e-9:.2f} s: Setting parameter failed: {reason}\n"
+            for at_ns, reason in self._rejections
+        ]
         return Evidence(
             task=self._task.id,
             scenario=self._scenario.name,
             seconds=self._scenario.seconds,
             samples=tuple(self._shift_samples(begin_ns)),
-            output="".join(self._rejections) + text.partition("\n")[2] + errors,
+            output="".join(rejections) + text.partition("\n")[2] + errors,
             errors=raised,
             personal=self._personal,
         )
@@ -441,7 +447,7 @@ class ScenarioOnRos:
     def _watch_rejections(self, graph: RobotGraph, service: str) -> None:
         def on_reply(data: bytes, source_ns: int, received_ns: int) -> None:
             reasons = rejection_reasons(data[SERVICE_HEADER.size :])
-            self._rejections += [f"Setting parameter failed: {reason}\n" for reason in reasons]
+            self._rejections += [(wall.time_ns(), reason) for reason in reasons]
 
         prefix, suffix = SERVICE_TOPICS[1]
         type_name = f"{SET_PARAMETERS}_Response"

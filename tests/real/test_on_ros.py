@@ -226,6 +226,13 @@ def test_public_checks_pass_on_the_real_ros_with_bit_equal_values() -> None:
     assert "\n  ok a cube with 1 m edges; above the origin, on the ground; " in done.stdout
 
 
+def test_rejected_parameters_have_their_times_as_in_the_kit() -> None:
+    done = _course("check", "--ros", "solutions/week06_solution.ipynb")
+    camera = done.stdout[done.stdout.index("week06.camera:") : done.stdout.index("week06.camera_monitor:")]
+    assert "ros2 param set reports 61 and 0.5 Hz as rejected" in camera
+    assert "\n  NO " not in camera
+
+
 def test_unfinished_exercise_fails_without_a_run() -> None:
     done = _course("check", "--ros", "exercises/week01_exercise.ipynb")
     assert done.returncode == 1, done.stdout + done.stderr
