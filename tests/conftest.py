@@ -94,6 +94,14 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> "Once":
     return Once(folder)
 
 
+@pytest.fixture(scope="module", autouse=True)
+def own_values_again() -> Iterator[None]:
+    """Remove the values of a student that the modules of notebooks and mistakes give to this process."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("course_lib.grading.inputs._values", None)
+        yield
+
+
 @pytest.fixture(autouse=True)
 def package_paths() -> Iterator[None]:
     """Restore the search paths of packages, to which a program adds those of its workspace."""
