@@ -28,7 +28,8 @@ class Once:
     def get(self, key: str, make: Callable[[], Any]) -> Any:
         """Return the result for a key, which is made if no worker has made it before."""
         path = self._folder / hashlib.sha256(key.encode()).hexdigest()
-        # The system releases the lock of a worker that ends, so that other workers do not wait for it.
+        # The system releases the lock of a worker that ends, so that other workers do not wait for
+        # it.
         with path.with_suffix(".lock").open("w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             if path.exists():

@@ -13,11 +13,12 @@ from typing import Any, Literal
 import pytest
 from xdist.scheduler import LoadFileScheduling  # type: ignore[import-untyped]  # ships no types
 
-# Tests that wait for links and processes, and notebooks that watch nodes, take less than half a processor.
+# Tests that wait for links and processes, and notebooks that watch nodes, take less than half a
+# processor.
 WAITING = ("notebooks/", "solutions/", "tests/gateway/", "tests/real/", "tests/ros/dds/", "tests/ros/zenoh/")
 BROWSER = "tests/browser/"
-# The longest files, first those that take minutes. If one of them began last, the other workers would
-# wait for its end.
+# The longest files, first those that take minutes. If one of them began last, the other workers
+# would wait for its end.
 LONGEST = (
     "tests/browser/test_lessons.py",
     "tests/notebooks/test_answers.py",
@@ -34,9 +35,11 @@ LONGEST = (
     "tests/authoring/test_flaws.py",
 )
 Kind = Literal["browser", "busy", "waiting"]
-# The kinds that the first worker runs first, the second and the third one, and again from the fourth one on.
+# The kinds that the first worker runs first, the second and the third one, and again from the
+# fourth one on.
 FIRST: tuple[Kind, ...] = ("browser", "busy", "waiting")
-# What a worker takes that has no files of its kind left. A browser and a JupyterLab would be started for it.
+# What a worker takes that has no files of its kind left. A browser and a JupyterLab would be
+# started for it.
 AFTERWARDS: tuple[Kind, ...] = ("busy", "waiting", "browser")
 
 

@@ -24,7 +24,8 @@ ROOMS = {
 }
 ALL = ROOMS | {"gateway", "authoring", "book", "real"}
 EVERYWHERE = {"arrays", "errors", "files", "third_party", "host", "CourseError"}
-# room -> the rooms it may import; `arrays`, `errors`, `files`, `third_party` and `host` are known to all
+# room -> the rooms it may import; `arrays`, `errors`, `files`, `third_party` and `host` are known
+# to all
 ARROWS = {
     "arrays": set[str](),
     "errors": set[str](),
@@ -54,7 +55,8 @@ ARROWS = {
     "__main__": {"cli", "usual_commands"},
     "__init__": ALL | {"extension"},
 }
-# The modules of ros above the stand-in, which run nodes, programs and launch files; the others are below it.
+# The modules of ros above the stand-in, which run nodes, programs and launch files; the others are
+# below it.
 ABOVE_THE_STANDIN = {
     "course_lib.ros.programs.launch_program",
     "course_lib.ros.programs.package_programs",

@@ -122,7 +122,8 @@ def home(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder outside the checkout, and in it an environment with the wheel."""
     home = tmp_path_factory.mktemp("home")
     venv.create(home / "venv", with_pip=False)
-    # pip and the dependencies, which take a minute to download, come from this environment; not the kit.
+    # pip and the dependencies, which take a minute to download, come from this environment; not the
+    # kit.
     packages = next((home / "venv" / "lib").glob("python*/site-packages"))
     (packages / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
     install(home, "--ignore-installed", wheel(built))

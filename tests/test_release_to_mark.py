@@ -40,10 +40,12 @@ def student(instructors: Path) -> Path:
     )
     run(sys.executable, "-c", write.format(str(home / "course")), cwd=ROOT)
     venv.create(home / "venv", with_pip=False)
-    # pip and the dependencies, which take a minute to download, come from this environment; not the kit.
+    # pip and the dependencies, which take a minute to download, come from this environment; not the
+    # kit.
     packages = next((home / "venv" / "lib").glob("python*/site-packages"))
     (packages / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
-    # The build requirements also come from here; tests/test_distribution.py checks that all are declared.
+    # The build requirements also come from here; tests/test_distribution.py checks that all are
+    # declared.
     options = ("-q", "--no-deps", *BUILT_HERE)
     run(home / "venv" / "bin" / "python", "-m", "pip", "install", *options, "-e", "course", cwd=home)
     return home

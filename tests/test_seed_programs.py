@@ -64,7 +64,8 @@ def run(bag: Path, *files: Path, seconds: float = SECONDS) -> Recording:
     options = ["--seconds", f"{seconds}", "--bag", str(bag)]
     command = [sys.executable, "-m", "course_lib", "run", *map(str, files), *options]
     process = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
-    # Programs that call rclpy.shutdown() after Ctrl+C end with this error on the real rclpy as well.
+    # Programs that call rclpy.shutdown() after Ctrl+C end with this error on the real rclpy as
+    # well.
     assert process.returncode == 0 or "rcl_shutdown already called" in process.stderr, process.stderr
     return read_bag(bag)
 

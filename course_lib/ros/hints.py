@@ -41,7 +41,8 @@ _NEWER = (
 )
 _F_STRING = r"(?<!\w)([rR][fF]|[fF][rR]?)[\"']"
 # Errors of an older Python for quotes in a field that end the f-string, for a backslash in a field,
-# and for a line break after a bracket or an operator. Other errors in such a line have other causes.
+# and for a line break after a bracket or an operator. Other errors in such a line have other
+# causes.
 _NEWER_FIELD = r"f-string: (unmatched '[(\[{]'|expecting '}')|f-string expression part cannot include"
 _OPEN_FIELD = r"\{[^}\"']*(?<=[-+*/,(\[{])\s*$"
 # They are read on import, because a program may later use up all file handles.

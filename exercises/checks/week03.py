@@ -118,8 +118,8 @@ BOXES = Task(
     name="BoxNode",
     hints=(
         "Make one marker per detection, all in one MarkerArray. Which field makes a good marker id?",
-        "The center is detection.bbox.center, the size is detection.bbox.size. The id of a detection is a "
-        "string: int(...) makes a number of it.",
+        "The center is detection.bbox.center, the size is detection.bbox.size. The id of a "
+        "detection is a string: int(...) makes a number of it.",
         "In the loop set `header = message.header`, `pose = detection.bbox.center`, "
         "`scale = detection.bbox.size` and `lifetime = Duration(seconds=1.0).to_msg()`.",
     ),
@@ -199,8 +199,8 @@ SURE = Task(
     hints=(
         "At which place in the array must DELETEALL be? Which detections does > leave out, compared to >=?",
         "Two markers with the same ns and id are one marker. And is every detection in the frame map?",
-        "Begin with Marker(action=Marker.DELETEALL); take score >= threshold, int(detection.id) and "
-        "message.header.",
+        "Begin with Marker(action=Marker.DELETEALL); take score >= threshold, int(detection.id) "
+        "and message.header.",
     ),
     scenarios=(
         Scenario(

@@ -100,8 +100,8 @@ CAMERA = Task(
     name="Camera",
     hints=(
         "declare_parameter has a name and a default. A new period needs a new timer.",
-        "The callback is called before a value changes. Each parameter has .name and .value; return a "
-        "SetParametersResult at the end, too.",
+        "The callback is called before a value changes. Each parameter has .name and .value; "
+        "return a SetParametersResult at the end, too.",
         "Out of range: successful=False, with a reason. Else destroy_timer, then create_timer.",
     ),
     scenarios=(
@@ -235,8 +235,8 @@ PERFORMANCE_TABLE = Task(
             calls=(
                 Call({"/scan": [(0.0, 400), (0.1, 400), (0.2, 400)]}),
                 Call({"/load": [(1.0, 8)], "/image": [(0.5, 1000), (0.75, 2000), (1.5, 4000)]}),
-                # The images have the highest bandwidth, the map the largest size, and the imu the highest
-                # rate, which /silent must not get.
+                # The images have the highest bandwidth, the map the largest size, and the imu the
+                # highest rate, which /silent must not get.
                 Call(
                     {
                         "/imu": [(0.0, 8), (0.1, 8)],

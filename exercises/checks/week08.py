@@ -125,8 +125,8 @@ SLOWLY = [(0.0, 0.0, 0.7 + 0.006 * step) for step in range(1, 6)]
 SLOW = [*[(0.0, 0.0, z) for z in (0.5, 0.6, 0.7)], *SLOWLY, (0.0, 0.0, 0.75), (0.0, 0.0, 0.77)]
 SMALL_DRIVE = [(0.0, 0.0, 0.5), (0.0, 0.0, 0.6), (0.06, 0.0, 0.6), (0.06, 0.0, 0.7), (0.06, 0.0, 0.8)]
 FAR_IN_STEPS = [(0.0, 0.0, 0.5), (0.0, 0.0, 0.6), (0.08, 0.0, 0.6), (0.16, 0.0, 0.6), (0.16, 0.0, 0.8)]
-# The base turns by 0.2 rad per step. Its distance from where it was is 0, but not that of the map's origin
-# from the base.
+# The base turns by 0.2 rad per step. Its distance from where it was is 0, but not that of the map's
+# origin from the base.
 TURN = 0.2  # [rad]
 ON_THE_SPOT = [(2.0, 0.0, z) for z in (0.5, 0.6, 0.7, 0.8, 0.9)]
 TWO_DRIVES = [(x, 0.0, z) for x in (0.0, 0.2, 0.4) for z in (0.5, 0.6, 0.7, 0.7)]

@@ -42,8 +42,8 @@ LATE = 0.75  # start of the TF broadcasts [s]
 ONE_SWEEP: list[Step] = [(0.1, 0.0, 0.38 + 0.05 * step) for step in range(9)]
 
 
-# The base stands 2 m from the origin and turns by 0.2 rad per step. Its distance from where it was is
-# 0, but not that of the origin as seen from the base.
+# The base stands 2 m from the origin and turns by 0.2 rad per step. Its distance from where it was
+# is 0, but not that of the origin as seen from the base.
 TURN = 0.2  # [rad]
 TURNING: list[Step] = [(2.0, 0.0, z) for _, _, z in ONE_SWEEP]
 

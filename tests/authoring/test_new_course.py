@@ -57,7 +57,8 @@ def test_new_course_can_be_verified_released_installed_and_graded(project: Path,
     output = run(python, "-m", "course_lib", "verify", "week00", cwd=project)
     assert "week00: nothing to correct" in output
     assert "Everything is correct." in output
-    # The course's own test verifies all weeks and runs their lessons. pytest takes 1.3 s to load nbmake.
+    # The course's own test verifies all weeks and runs their lessons. pytest takes 1.3 s to load
+    # nbmake.
     run(python, "-m", "pytest", "-q", "-p", "no:nbmake", "tests", cwd=project)
     students = project.parent / "students"
     # `course release` would verify the same files again; tests/authoring/test_guide.py runs it.

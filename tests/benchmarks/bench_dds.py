@@ -120,7 +120,8 @@ def round_trip() -> None:
         ping.write_text(PING)
         for _ in range(ROUNDS):
             programs = RealProcesses(environment, Path(folder), [echo], print)
-            # As on a robot: with the interface list of `course run --ros` Fast DDS sends each datagram twice.
+            # As on a robot: with the interface list of `course run --ros` Fast DDS sends each
+            # datagram twice.
             for name in ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE"):
                 del programs._variables[name]
             programs._variables["FASTDDS_BUILTIN_TRANSPORTS"] = "UDPv4"

@@ -33,8 +33,8 @@ RUNNING = """
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.time.driving import live_runs
 print(len(live_runs(current_graph())))"""
-# Moves the pointer once before each frame, as a page gets the events of a mouse; to and fro, so that the
-# scene stays in sight.
+# Moves the pointer once before each frame, as a page gets the events of a mouse; to and fro, so
+# that the scene stays in sight.
 TURN = """canvas => {
     const { left, top, width, height } = canvas.getBoundingClientRect();
     let [x, step] = [0, 4];
@@ -111,9 +111,9 @@ def main() -> None:
     for row in measured(options.only, options.cells, options.profile, options.pictures):
         counted.append(row)
         print(
-            f"| {row.lesson} | {row.cell} | {row.turned:.1f} | {row.scale:.2f} "
-            f"| {row.browser:.2f} | {row.kernel:.2f} "
-            f"| {row.still:.1f} | {row.browser_still:.2f} | {row.kernel_still:.2f} | {row.load:.1f} |",
+            f"| {row.lesson} | {row.cell} | {row.turned:.1f} | {row.scale:.2f} | "
+            f"{row.browser:.2f} | {row.kernel:.2f} | {row.still:.1f} | {row.browser_still:.2f} | "
+            f"{row.kernel_still:.2f} | {row.load:.1f} |",
             flush=True,
         )
     for lesson in sorted({row.lesson for row in counted}):

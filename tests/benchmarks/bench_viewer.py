@@ -27,7 +27,8 @@ from tests.browser.fake_host import chromium
 OBJECTS = 500
 SECONDS = 2.0  # of each measurement of speed
 PATIENCE = 90.0  # [s]
-# How long [s] a page may settle before it is measured: Rerun compiles its shaders in software first.
+# How long [s] a page may settle before it is measured: Rerun compiles its shaders in software
+# first.
 SETTLE = {"rerun": 40.0}
 NO_DRAWING = """for (const gl of [WebGLRenderingContext, WebGL2RenderingContext])
     for (const draw of ["drawElements", "drawArrays", "drawElementsInstanced", "drawArraysInstanced"])
@@ -290,7 +291,8 @@ def twenty(browser: Browser, kind: Any) -> float:
     session.on("Network.webSocketFrameReceived", lambda e: sizes.append(len(e["response"]["payloadData"])))
     session.send("Network.enable")
     page.goto(peer.url)  # so that the frames are of the same site
-    # Twenty Rerun viewers need more memory than most machines have: one is measured, which favours Rerun.
+    # Twenty Rerun viewers need more memory than most machines have: one is measured, which favours
+    # Rerun.
     others = 0 if kind.name == "rerun" else 19
     page.evaluate(
         "([url, others]) => { for (let i = 0; i < others; i++) document.body.append(Object.assign("

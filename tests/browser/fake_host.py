@@ -178,7 +178,8 @@ class Host:
         self.page.evaluate(f"(all) => {function}(...all)", ready)
 
 
-# Pages are put together without the GPU, which is software here: a quarter less work for a page with a view.
+# Pages are put together without the GPU, which is software here: a quarter less work for a page
+# with a view.
 PLAIN_PAGES = ("--disable-gpu-compositing", "--disable-gpu-rasterization")
 
 

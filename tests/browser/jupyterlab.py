@@ -19,13 +19,15 @@ from tests.processes import LIMIT_OF_A_SERVER, Program
 
 ANSWER = 3 * PATIENCE  # [s]; cells may run for long on a busy machine
 KERNEL = "courseNotebook()?.context?.sessionContext?.session?.kernel"
-# The notebook of the front tab. It is not JupyterLab's current widget after a click into the view beside it.
-# Nor is it always visible: JupyterLab hides its whole window for a frame after a change of theme, but no tab.
+# The notebook of the front tab. It is not JupyterLab's current widget after a click into the view
+# beside it. Nor is it always visible: JupyterLab hides its whole window for a frame after a change
+# of theme, but no tab.
 FIND_NOTEBOOK = """globalThis.courseNotebook = () => [...jupyterapp.shell.widgets('main')]
     .find((one) => one.context?.sessionContext && !one.isHidden);"""
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
 VIEWPORT: ViewportSize = {"width": 1280, "height": 900 if PICTURES else 720}  # [px]
-# Software draws the views here: a screen of three frames a second, and edges that are not smooth, are enough.
+# Software draws the views here: a screen of three frames a second, and edges that are not smooth,
+# are enough.
 SLOW_SCREEN = """{
     window.courseRestScale = 1;
     const everyFrame = window.requestAnimationFrame, interval = 330;  // [ms]
@@ -280,7 +282,8 @@ def view_of(cell: Locator) -> Locator:
     return place_of_view(cell).locator("canvas:visible").first
 
 
-# In the page: a screenshot takes seconds while nodes run live, and a PNG file five times as long as this.
+# In the page: a screenshot takes seconds while nodes run live, and a PNG file five times as long as
+# this.
 COUNT = """canvas => {
     const { width, height } = canvas;
     if (!width || !height) return 0;

@@ -129,7 +129,8 @@ def test_spin_for_ends_although_a_callback_takes_a_full_period(notebook: Noteboo
 
 def test_interrupt_ends_an_awaited_call(notebook: Notebook) -> None:
     cell = start(notebook, AWAITED)
-    # JupyterLab shows [*] before the kernel begins with the cell: an interrupt would come too early then.
+    # JupyterLab shows [*] before the kernel begins with the cell: an interrupt would come too early
+    # then.
     expect(cell.get_by_text("spinning").first).to_be_visible()
     interrupt(notebook)
     expect(cell.get_by_text(text("Stopped after .* of robot time"))).to_be_visible()

@@ -7,8 +7,9 @@ from course_lib.viewer import html
 
 pytestmark = pytest.mark.browser
 
-# A widget is made while JupyterLab restores a page, or after it. A view without a model asks at each
-# rendering: is the manager restored? The timer ends once before that, then runs until no new one is set.
+# A widget is made while JupyterLab restores a page, or after it. A view without a model asks at
+# each rendering: is the manager restored? The timer ends once before that, then runs until no new
+# one is set.
 RESTORE = """async ([code, isRestored]) => {
     const address = URL.createObjectURL(new Blob([code], { type: "text/javascript" }));
     const { default: module } = await import(address);

@@ -16,7 +16,8 @@ SHOW, LIVE = "viewer.add(", "live = run_live(node)"
 LISTENERS = "from course_lib.ros.graph.graph import current_graph; print(len(current_graph()._taps))"
 ENOUGH = 800  # [px] of the cube
 NOW = "from course_lib.ros.graph.graph import current_graph; print(current_graph().now_ns)"
-# A view of jupyterlab_widgets polls for its model for 2 s; a busy machine makes the last pause long.
+# A view of jupyterlab_widgets polls for its model for 2 s; a busy machine makes the last pause
+# long.
 ONE_LONG_PAUSE = """
     const pause = Number(sessionStorage.getItem("pause")), wait = window.setTimeout;
     sessionStorage.removeItem("pause");

@@ -185,6 +185,7 @@ def test_each_property_changes_the_drawing(name: str) -> None:
     before = usual(class_name, early)
     changed = any(look(class_name, early, prop.label, value) != before for value in others(prop))
     assert changed, (
-        f"{name} changes nothing visible: does the display read self[{prop.label!r}]? A property that needs "
-        "another one has a row in NEEDS above, one that is never visible in SILENT, with the reason"
+        f"{name} changes nothing visible: does the display read self[{prop.label!r}]? A property "
+        "that needs another one has a row in NEEDS above, one that is never visible in SILENT, "
+        "with the reason"
     )

@@ -111,8 +111,8 @@ def test_ambiguous_exercise_is_an_error_and_nothing_is_collected(tmp_path: Path)
     with pytest.raises(CourseError) as asked:
         collected(tmp_path, files)
     assert str(asked.value) == (
-        "this download contains week01_exercise (2 students), week02_exercise (1 student). Which exercise "
-        "is it for? Add --exercise week01_exercise"
+        "this download contains week01_exercise (2 students), week02_exercise (1 student). Which "
+        "exercise is it for? Add --exercise week01_exercise"
     )
     assert not (tmp_path / "out").exists()
     files["Ada"]["week02_exercise.ipynb"] = released(2)

@@ -28,7 +28,8 @@ NO_TIMES = ["", "-", "yesterday", "20231234", "100,00", "March", "8 March 2026",
             "30 اسفند 1404 23:59", "17 اسفند 1404", "17 اسفند 1404، 11:59 شاید", "0 تیر 1404 23:59",
             "1404/13/01 23:59", "1404/12-17 23:59"]  # fmt: skip
 
-# Times of the Persian calendar, as Moodle writes them: they are not read, and never read as other times.
+# Times of the Persian calendar, as Moodle writes them: they are not read, and never read as other
+# times.
 PERSIAN = [
     "یکشنبه، 17 اسفند 1404، 11:59 عصر", "یکشنبه، ۱۷ اسفند ۱۴۰۴، ۲۳:۵۹",  # noqa: RUF001
     "یک\u200cشنبه 17 اسفند 1404 ساعت 23:59", "1404/12/17 23:59:00", "1404-12-17 23:59",  # noqa: RUF001

@@ -29,7 +29,8 @@ from tests.grading.platforms import NAME, notebook, zipped
 ROOT = Path(__file__).parents[2]
 PARIS = ZoneInfo("Europe/Paris")
 EVENING = datetime(2026, 3, 8, 22, 59, tzinfo=UTC)
-# For each platform: names as it writes them, with the key of the owner, the default ID, and the time.
+# For each platform: names as it writes them, with the key of the owner, the default ID, and the
+# time.
 NAMES: dict[str, list[tuple[str, str, str, datetime | None]]] = {
     "moodle": [
         (f"Ada Lovelace_4100001_assignsubmission_file_/{NAME}", "4100001", "participant4100001", None),

@@ -156,8 +156,8 @@ def test_frame_with_several_poses_at_one_time_is_ambiguous(evidence: MakeEvidenc
     verdict = lens.judge(evidence(base, (0.4, "/tf_static", other), LENS))
     assert verdict.mistake == "a frame has several poses at one time"
     assert verdict.message == (
-        "lens is broadcast as static at (0.50, 0.00, 0.00) m in 'base' and at (0.30, 0.00, 0.00) m in 'base'"
-        ": it is undefined which one applies"
+        "lens is broadcast as static at (0.50, 0.00, 0.00) m in 'base' and at (0.30, 0.00, 0.00) m "
+        "in 'base': it is undefined which one applies"
     )
     moving = TFMessage(transforms=[transform("base", "lens", 0.6, 0.5, 0.0)])
     assert "on /tf_static and on /tf" in lens.judge(evidence(base, LENS, (0.6, "/tf", moving))).message

@@ -50,8 +50,8 @@ TABLE = expect_value(ROWS, name="the table", parts=("topic", "rate", "size"))
         ),
         (
             ["/scan", 400.0, 10.0],
-            "row 0 of the table is ['/scan', 400.0, 10.0], expected ['/scan', 10.0, 400.0]: the order is "
-            "another one",
+            "row 0 of the table is ['/scan', 400.0, 10.0], expected ['/scan', 10.0, 400.0]: the "
+            "order is another one",
             "values are in the wrong order",
         ),
     ],

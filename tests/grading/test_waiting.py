@@ -81,7 +81,8 @@ def test_endless_code_is_stopped_on_a_busy_machine(cell: str) -> None:
     assert log.stopped == {1: f"cell 2 was stopped after {LIMIT:g} s"}
 
 
-# what the threads have done when a limit of 10 s is met 10 s after the beginning, and by what it grows [s]
+# what the threads have done when a limit of 10 s is met 10 s after the beginning, and by what it
+# grows [s]
 THREADS = [
     ({1: ThreadTimes(10, 0)}, 0.0),
     ({1: ThreadTimes(2, 8)}, 8.0),

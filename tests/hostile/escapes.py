@@ -54,7 +54,8 @@ if os.fork() == 0:
           "os.listdir('/home')", "os.listdir('/dev/shm')", "os.open(TOP, os.O_PATH | os.O_DIRECTORY); os.listdir(TOP)",
           "open('/var/run/docker.sock')", "open('/sys/kernel/notes', 'rb').read()", "os.listdir('/run')",
           "os.mkfifo('pipe'); os.mknod('block', 0o60600, os.makedev(254, 0)); open('block', 'rb').read(1)"),
-    # Pages of such memory belong to no process once they are unmapped, and no limit would count them.
+    # Pages of such memory belong to no process once they are unmapped, and no limit would count
+    # them.
     tries("memory_of_nobody", "import mmap; mmap.mmap(-1, 4096)", "open('/dev/zero', 'rb')"),
     tries("network_by_libraries",
           "import urllib.request as r; r.urlopen('http://127.0.0.1:' + PORT, timeout=1)",

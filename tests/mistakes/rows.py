@@ -39,7 +39,8 @@ MOST = 34  # rows of a week, without the mistakes of strangers
 LONGEST = 400  # characters of a line
 # [s] as in grading. An endless loop takes that long; each other mistake takes a tenth of a second.
 WALL_LIMIT = 10.0
-# [B] of evidence. A mistake that multiplies its messages takes 20 s to exceed the limit of a submission.
+# [B] of evidence. A mistake that multiplies its messages takes 20 s to exceed the limit of a
+# submission.
 EVIDENCE_LIMIT = 2**20
 # Kinds of tasks whose object is made by the definition of a class or a function.
 KINDS = ("node", "function", "launch")

@@ -31,7 +31,8 @@ def test_lesson_resumes_from_its_stopping_points_in_a_new_kernel(
     with kernel_of(path) as kernel:
         places = [i for i, cell in enumerate(kernel.cells) if cell["id"].startswith(FIRST_PLACE)]
         middle = places[place]
-        # What follows the last place is run after it was resumed there; nbmake runs it after the cells above.
+        # What follows the last place is run after it was resumed there; nbmake runs it after the
+        # cells above.
         end = len(kernel.cells) if place == -1 else places[-1] + 1
         printed, error = kernel.run(middle)
         assert (printed.splitlines()[0].startswith("Ran "), error) == (True, "")

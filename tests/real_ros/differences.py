@@ -122,8 +122,8 @@ ENDS_AS_ASKED = ("plain_spin", "while_ok")
 # Programs of the documents whose values differ, with their row.
 OTHER_VALUES = {"PerceptionVisualizer": "Chance"}
 
-# Nodes of the course whose outcome differs, with their row: three publish values of the clock, and one
-# measures a rate with it.
+# Nodes of the course whose outcome differs, with their row: three publish values of the clock, and
+# one measures a rate with it.
 _CLOCK = "The clock"
 NODES = {
     "week06_tooling: Home()": _FOR_EVER,

@@ -29,7 +29,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 # Maximum number of messages that are compared on a topic.
 MESSAGES = 4
-# Time for each input, and then for the timers; the real rclpy runs until it has published as much [s].
+# Time for each input, and then for the timers; the real rclpy runs until it has published as much
+# [s].
 INPUT_SECONDS, SECONDS, REAL_SECONDS = 0.25, 2.2, 1.2
 # The real rclpy may take longer on a busy machine [s].
 TIME_LIMIT = 20.0
@@ -187,7 +188,8 @@ def run(program: str, kits: Outcome) -> Outcome:
             for publisher, message in publishers:
                 publish(publisher, later(message))
             spin(executor, INPUT_SECONDS, lambda: False)
-        # The timers begin when all inputs are there, so that a busy machine does not change their order.
+        # The timers begin when all inputs are there, so that a busy machine does not change their
+        # order.
         for timer in timers:
             timer.reset()
         if kits:

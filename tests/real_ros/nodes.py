@@ -31,7 +31,8 @@ STEP = 0.1  # [s]
 TIME_LIMIT = 120.0  # [s]
 # Packages without which a node cannot run on a robot, or in the environment of the real rclpy.
 MISSING = {"course_lib", "ipywidgets", "PIL"}
-# Arguments of classes that the notebooks never create from literals; None if they need a robot of course_lib.
+# Arguments of classes that the notebooks never create from literals; None if they need a robot of
+# course_lib.
 ARGUMENTS: dict[str, tuple[str, ...]] = {
     "DashboardNode": ("'dashboard'",),
     "Tracker": ("'tracker'",),

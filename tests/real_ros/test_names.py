@@ -15,7 +15,8 @@ import pytest
 HERE = Path(__file__).parent
 Names = dict[str, list[str]]
 
-# Private names that no program chooses: Python mangled them with a class of the stand-in, or they are marked.
+# Private names that no program chooses: Python mangled them with a class of the stand-in, or they
+# are marked.
 OF_THE_KIT = re.compile(
     r"_(course_\w+|"
     r"(Node|LifecycleNodeMixin|Executor|MultiThreadedExecutor|Entity|ServiceEnd|TopicEnd|Timer"

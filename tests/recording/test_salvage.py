@@ -219,7 +219,8 @@ def test_bag_with_malformed_metadata_is_described_by_its_messages(
 def test_huge_file_without_messages_is_rejected_within_little_memory(opcode: int, tmp_path: Path) -> None:
     file = tmp_path / "huge.mcap"
     with file.open("wb") as huge:
-        # One record of an exabyte. Its opcode is invalid, a schema's, or that of the end of the data.
+        # One record of an exabyte. Its opcode is invalid, a schema's, or that of the end of the
+        # data.
         huge.write(bytes(8) + struct.pack("<BQ", opcode, 10**18))
         huge.truncate(2**27)
     tracemalloc.start()

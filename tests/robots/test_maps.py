@@ -22,7 +22,8 @@ YAML = {
     "occupied_thresh": "0.65",
     "free_thresh": "0.196",
 }
-# Free, occupied and unknown as nav2_map_server saves them; the first row of an image is the upper one.
+# Free, occupied and unknown as nav2_map_server saves them; the first row of an image is the upper
+# one.
 GRAY = np.array([[254, 0, 205], [254, 254, 254]], np.uint8)
 
 

@@ -69,8 +69,8 @@ REFUSED = [  # the texts of ros2_controllers 4.42.1, joint_trajectory_controller
     ),
     (
         trajectory(point(1, positions=[0.0, 0.0], effort=[0.0, 0.0])),
-        "Trajectories with effort fields are only supported for controllers using the 'effort' command "
-        "interface.",
+        "Trajectories with effort fields are only supported for controllers using the 'effort' "
+        "command interface.",
     ),
     (trajectory(point(1, positions=[0.0, np.inf])), "The positions at point #0 are not all finite."),
 ]

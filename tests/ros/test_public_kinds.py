@@ -158,9 +158,9 @@ KINDS = {
                 "('joint_state_publisher', {'zeros': {'bend': 0.5}, 'publish_default_velocities': True})]]"
             ),
             "r.urdf": "<robot name='r'><link name='a'/><link name='b'/><link name='c'/>"
-            "<joint name='bend' type='revolute'><parent link='a'/><child link='b'/>"
-            "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
-            "<joint name='spin' type='continuous'><parent link='b'/><child link='c'/></joint></robot>",
+            "<joint name='bend' type='revolute'><parent link='a'/><child link='b'/><limit "
+            "lower='-1' upper='1' effort='1' velocity='1'/></joint><joint name='spin' "
+            "type='continuous'><parent link='b'/><child link='c'/></joint></robot>",
         },
     ),
     "import of launch_ros alone": Kind(

@@ -27,8 +27,8 @@ SYNTAX = [
     ),
     (
         "$ ros2 topic list",
-        "the $ is the prompt of a terminal: leave it out. In a cell a command of ROS begins with a percent "
-        "sign, %ros2 ….",
+        "the $ is the prompt of a terminal: leave it out. In a cell a command of ROS begins with "
+        "a percent sign, %ros2 ….",
     ),
     ("my-node = 3", "a name contains no -: if this is one name, write my_node."),
     ("a = \u201cmap\u201d", f"instead of \u201c {QUOTES}"),

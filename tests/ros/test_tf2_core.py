@@ -128,21 +128,21 @@ def test_lookup_between_disconnected_trees_is_a_connectivity_error(time_ns: int)
     with pytest.raises(ConnectivityException) as caught:
         buffer.lookup("map", "camera", time_ns)
     assert str(caught.value) == (
-        "Could not find a connection between 'map' and 'camera' because they are not part of the same tree."
-        "Tf has two or more unconnected trees."
+        "Could not find a connection between 'map' and 'camera' because they are not part of the "
+        "same tree.Tf has two or more unconnected trees."
     )
 
 
 EXTRAPOLATIONS = {
     "future": (
         2 * S,
-        "Lookup would require extrapolation into the future.  Requested time 2.000000 but the latest data is "
-        "at time 1.500000",
+        "Lookup would require extrapolation into the future.  Requested time 2.000000 but the "
+        "latest data is at time 1.500000",
     ),
     "past": (
         S // 2,
-        "Lookup would require extrapolation into the past.  Requested time 0.500000 but the earliest data is "
-        "at time 1.000000",
+        "Lookup would require extrapolation into the past.  Requested time 0.500000 but the "
+        "earliest data is at time 1.000000",
     ),
 }
 

@@ -148,8 +148,8 @@ BY_ARGUMENT = (
     ((16, 29), 1, IF_EQUAL, (0x8901, 0x8902, 0x5412)),
     ((53, 199), 1, IF_ANY_BIT, (2,)),  # socketpair: datagrams can be sent to any socket
 )
-# Shared memory without a file outlives its mapping, so neither the limit of a process nor the sum of
-# its pages counts it.
+# Shared memory without a file outlives its mapping, so neither the limit of a process nor the sum
+# of its pages counts it.
 MAP, MAP_FLAGS, MAP_PRIVATE, MAP_ANONYMOUS = (9, 222), 3, 0x02, 0x20
 ALLOW, KILL, ERROR = 0x7FFF0000, 0x80000000, 0x00050000
 NUMBER, MACHINE, ARGUMENTS = 0, 4, 16  # offsets in the data of a filter; arguments have 8 bytes each

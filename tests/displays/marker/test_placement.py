@@ -76,8 +76,9 @@ ERRORS = {
     "two trees": (
         "map",
         "moon",
-        "No transform to fixed frame [map]. TF error: [Could not find a connection between 'map' and 'moon' "
-        "because they are not part of the same tree.Tf has two or more unconnected trees.]",
+        "No transform to fixed frame [map]. TF error: [Could not find a connection between 'map' "
+        "and 'moon' because they are not part of the same tree.Tf has two or more unconnected "
+        "trees.]",
     ),
 }
 

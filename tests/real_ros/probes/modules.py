@@ -29,7 +29,8 @@ def _names(path: str) -> list[str]:
             continue
         found.append(f"{path}.{name}")
         if inspect.isclass(value) and origin == path:
-            # Properties are instance attributes in the stand-in, and waitables are left out completely.
+            # Properties are instance attributes in the stand-in, and waitables are left out
+            # completely.
             common = {*dir(Exception), *dir(int), *(dir(Waitable) if value is not Waitable else ())}
             found += [
                 f"{path}.{name}.{attribute}"

@@ -240,7 +240,8 @@ def test_link_follows_a_robot_whose_address_changes(robot: RemoteRobot) -> None:
     try:
         for change, address in (("add", other), ("del", ROBOTS_ADDRESS)):
             assert ip("-n", robot.robots_namespace, "address", change, f"{address}/24", "dev", "robot0")
-        # Linux removes all addresses of a network with its first one, unless it promotes the next one.
+        # Linux removes all addresses of a network with its first one, unless it promotes the next
+        # one.
         ip("-n", robot.robots_namespace, "address", "add", f"{other}/24", "dev", "robot0")
         line = f"now has the address {other}"
         assert line in kit.stderr.readline()

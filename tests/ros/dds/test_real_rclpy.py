@@ -174,8 +174,8 @@ def test_incompatible_qos_is_reported_with_the_policy(robot: RealRobot, tmp_path
     command = [sys.executable, "-m", "course_lib", "run", str(program), "--seconds", "2", *link]
     done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True)
     line = (
-        "/lab/scan: the publisher of /lab/robot and the subscription of /reliable have incompatible QoS "
-        "(RELIABILITY). DDS does not connect them"
+        "/lab/scan: the publisher of /lab/robot and the subscription of /reliable have "
+        "incompatible QoS (RELIABILITY). DDS does not connect them"
     )
     assert done.stderr.count(line) == 1
     assert "received" not in done.stdout

@@ -216,7 +216,8 @@ def test_robot_whose_address_changes_receives_messages_at_its_new_address() -> N
     subscriptions.write(description, b"", 5)
     for datagram in (joins, *sink.sent):
         local.receive(datagram, "127.0.0.1")
-    # It announces the same address from new ones. At first it had the address that the link was given.
+    # It announces the same address from new ones. At first it had the address that the link was
+    # given.
     for host in ("127.0.0.8", "127.0.0.9", "127.0.0.1"):
         local.receive(joins, host)
         sent.clear()
@@ -327,7 +328,8 @@ def test_message_is_assembled_from_fragments_in_any_order_and_grouping() -> None
     reader.match(Endpoint(GUID, "rt/a", "t", Qos()))
     message = bytes(range(64))
     sample = ReceivedSample(b"", GUID, 1, 0)
-    # Fragments of 10 bytes, of which a submessage may have several, with padding to a multiple of 4.
+    # Fragments of 10 bytes, of which a submessage may have several, with padding to a multiple of
+    # 4.
     for first, count in ((7, 1), (2, 1), (3, 3), (3, 1), (6, 1), (1, 1)):
         begin = 10 * (first - 1)
         payload = message[begin : begin + 10 * count]

@@ -6,8 +6,8 @@ import pytest
 from course_lib.errors import CourseError
 from course_lib.ros.messages.definitions import describe_type, is_known, type_hash, type_names
 
-# From real ROS 2: the docs of rmw_zenoh, `ros2 topic info -v` in public logs, and the .json files of Jazzy's
-# and Lyrical's packages, as other implementations cite them.
+# From real ROS 2: the docs of rmw_zenoh, `ros2 topic info -v` in public logs, and the .json files
+# of Jazzy's and Lyrical's packages, as other implementations cite them.
 PUBLISHED = {
     "std_msgs/msg/String": "df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",
     "std_msgs/msg/Char": "3ad2d04dd29ba19d04b16659afa3ccaedd691914b02a64e82e252f2fa6a586a9",

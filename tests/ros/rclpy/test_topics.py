@@ -141,10 +141,12 @@ def test_incompatible_endpoints_cause_a_warning_on_both_sides(
     node.create_publisher(String, "/t", BEST_EFFORT)
     listener.create_subscription(String, "/t", print, 10)
     assert capsys.readouterr().err.splitlines() == [
-        "[WARN] [1700000000.000000000] [talker]: New subscription discovered on topic '/t', requesting "
-        "incompatible QoS. No messages will be sent to it. Last incompatible policy: RELIABILITY",
-        "[WARN] [1700000000.000000000] [listener]: New publisher discovered on topic '/t', offering "
-        "incompatible QoS. No messages will be received from it. Last incompatible policy: RELIABILITY",
+        "[WARN] [1700000000.000000000] [talker]: New subscription discovered on topic '/t', "
+        "requesting incompatible QoS. No messages will be sent to it. Last incompatible policy: "
+        "RELIABILITY",
+        "[WARN] [1700000000.000000000] [listener]: New publisher discovered on topic '/t', "
+        "offering incompatible QoS. No messages will be received from it. Last incompatible "
+        "policy: RELIABILITY",
     ]
 
 

@@ -98,6 +98,7 @@ def test_transforms_agree_with_ros_to_1e_9(answered: list[tuple[Any, Any, Any]])
     assert [their[1] for their, _ in found] == [our[1] for _, our in found]
     theirs, ours = (np.array([answer[side][2] for answer in found]) for side in (0, 1))
     np.testing.assert_allclose(ours[:, :3], theirs[:, :3], atol=1e-9)
-    # Both signs of a quaternion are the same rotation; Jazzy's conversion through a matrix selects one.
+    # Both signs of a quaternion are the same rotation; Jazzy's conversion through a matrix selects
+    # one.
     signs = np.sign(np.sum(ours[:, 3:] * theirs[:, 3:], axis=1))
     np.testing.assert_allclose(ours[:, 3:] * signs[:, None], theirs[:, 3:], atol=1e-9)

@@ -71,8 +71,8 @@ def test_invalid_goal_transition_raises_the_error_text_of_rcl(
     ActionServer(server_node, Fibonacci, "fibonacci", end_wrongly)
     assert until_done(send(client, until_done).get_result_async()).status == GoalStatus.STATUS_ABORTED
     assert errors == [
-        "Failed to update goal state: goal_handle attempted invalid transition from state EXECUTING "
-        "with event CANCELED"
+        "Failed to update goal state: goal_handle attempted invalid transition from state "
+        "EXECUTING with event CANCELED"
     ]
 
 
@@ -105,8 +105,8 @@ def test_second_server_with_the_same_name_causes_a_warning(
         ActionServer(server_node, Fibonacci, "fibonacci", count)
     until_done(send(client, until_done).get_result_async())
     assert (
-        "[talker.action_client]: Ignoring unexpected goal response. There may be more than one action server "
-        "for the action 'fibonacci'"
+        "[talker.action_client]: Ignoring unexpected goal response. There may be more than one "
+        "action server for the action 'fibonacci'"
     ) in capfd.readouterr().err
 
 

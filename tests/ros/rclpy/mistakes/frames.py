@@ -6,8 +6,8 @@ FRAMES = [
         "from tf2_ros import TransformListener\n"
         "TransformListener(Buffer(), node).lookupTransform('map', 'base', Time())",
         "AttributeError: 'TransformListener' object has no attribute 'lookupTransform'",
-        "the buffer answers, and the listener fills it: `self.buffer.lookup_transform('map', 'base_link', "
-        "Time())`.",
+        "the buffer answers, and the listener fills it: `self.buffer.lookup_transform('map', "
+        "'base_link', Time())`.",
     ),
     (
         "buffer = Buffer()\n"
@@ -19,8 +19,8 @@ FRAMES = [
     (
         "Buffer().lookup_transform('map', 'base', Time())",
         'tf2.LookupException: "map" passed to lookupTransform argument target_frame does not exist. ',
-        "is the frame published under this name? `%ros2 run tf2_tools view_frames`. A node that can "
-        "continue without the frame catches TransformException.",
+        "is the frame published under this name? `%ros2 run tf2_tools view_frames`. A node that "
+        "can continue without the frame catches TransformException.",
     ),
     (
         "Buffer().lookup_transform('/map', 'base', Time())",

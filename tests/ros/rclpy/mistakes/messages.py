@@ -226,8 +226,8 @@ MESSAGES = [
     (
         "PoseStamped().pose.orientation.yaw",
         "AttributeError: 'Quaternion' object has no attribute 'yaw'",
-        "a quaternion does not contain an angle: a rotation by yaw about z is `Quaternion(z=sin(yaw / 2), "
-        "w=cos(yaw / 2))`, and back it is `yaw = 2 * atan2(q.z, q.w)`.",
+        "a quaternion does not contain an angle: a rotation by yaw about z is "
+        "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`, and back it is `yaw = 2 * atan2(q.z, q.w)`.",
     ),
     (
         "PoseStamped().header = str(PoseStamped().header)",

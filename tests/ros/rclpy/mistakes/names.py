@@ -81,8 +81,8 @@ NAMES = [
     (
         "from nav_msgs.msg import Path\nPath('a.rviz')",
         "TypeError: Path.__init__() takes 1 positional argument but 2 were given",
-        "this Path is the message of nav_msgs. A path of a file is `from pathlib import Path as File`, "
-        "then File(…).",
+        "this Path is the message of nav_msgs. A path of a file is `from pathlib import Path as "
+        "File`, then File(…).",
     ),
     (
         "from sensor_msgs.msg import Image\nImage(data='000')",
@@ -118,8 +118,8 @@ NAMES = [
     (
         "Marker.TEXT",
         "AttributeError: type object 'Marker' has no attribute 'TEXT'",
-        "did you mean `TEXT_VIEW_FACING`? `%ros2 interface show visualization_msgs/msg/Marker` lists its "
-        "fields.",
+        "did you mean `TEXT_VIEW_FACING`? `%ros2 interface show visualization_msgs/msg/Marker` "
+        "lists its fields.",
     ),
     (
         "Marker().size.x = 1.0",
@@ -202,8 +202,8 @@ NAMES = [
     (
         "count = 0\ndef heard():\n    count += 1\nheard()",
         "UnboundLocalError: cannot access local variable 'count' where it is not associated with a value",
-        "a function that assigns count has a count of its own. Keep the value in the node, as `self.count`, "
-        "or write `global count` first.",
+        "a function that assigns count has a count of its own. Keep the value in the node, as "
+        "`self.count`, or write `global count` first.",
     ),
     (
         "def level(x):\n    if x > 1:\n        y = 2\n    return y\nlevel(0)",
@@ -294,8 +294,8 @@ NAMES = [
     (
         "q = quaternion_from_euler(0.0, 0.0, 1.0)",
         "NameError: name 'quaternion_from_euler' is not defined",
-        "import it: `from tf_transformations import quaternion_from_euler`; in a notebook run the first "
-        "cells again.",
+        "import it: `from tf_transformations import quaternion_from_euler`; in a notebook run the "
+        "first cells again.",
     ),
     (
         "tf2_ros.Buffer()",

@@ -13,8 +13,8 @@ NODES = [
     (
         "class Robot(Node):\n    def __init__(self):\n        super().__init__()\nRobot()",
         "TypeError: Node.__init__() missing 1 required positional argument: 'node_name'",
-        "give the node a name: `super().__init__('a_name')`, in def __init__ with two underscores on each "
-        "side.",
+        "give the node a name: `super().__init__('a_name')`, in def __init__ with two underscores "
+        "on each side.",
     ),
     (
         "node.create_timer(0.1, lambda event: None)\nrclpy.spin(node)",
@@ -60,8 +60,8 @@ NODES = [
     (
         "Publisher",
         "NameError: name 'Publisher' is not defined",
-        "define or import Publisher first, or put it in quotes if it is a string; in a notebook run the "
-        "cells above, beginning with the first one.",
+        "define or import Publisher first, or put it in quotes if it is a string; in a notebook "
+        "run the cells above, beginning with the first one.",
     ),
     (
         "MarkerArray()",
@@ -149,8 +149,8 @@ NODES = [
     ),
     (
         "rate = node.create_rate(1)\nnode.create_timer(0.1, rate.sleep)\nrclpy.spin(node)",
-        "course_lib.ros.time.time_lock.DeadlockError: Rate.sleep() waits for a tick that comes only after "
-        "this callback has ended. Use a timer, or a MultiThreadedExecutor.",
+        "course_lib.ros.time.time_lock.DeadlockError: Rate.sleep() waits for a tick that comes "
+        "only after this callback has ended. Use a timer, or a MultiThreadedExecutor.",
         "",
     ),
     (
@@ -238,8 +238,8 @@ NODES = [
         "        self.tick += 1\n"
         "rclpy.spin(Counter())",
         "TypeError: 'int' object is not callable",
-        "the callback is 0, of type int: is it an attribute with the name of a method, or is the callback at "
-        "another place in the call?",
+        "the callback is 0, of type int: is it an attribute with the name of a method, or is the "
+        "callback at another place in the call?",
     ),
     (
         "class Counter(Node):\n"
@@ -260,8 +260,8 @@ NODES = [
         "node.create_timer(0.1, tick)\n"
         "rclpy.spin(node)",
         "RuntimeError: no running event loop",
-        "rclpy runs callbacks without asyncio: leave out asyncio, and let a timer of the node repeat or "
-        "delay work.",
+        "rclpy runs callbacks without asyncio: leave out asyncio, and let a timer of the node "
+        "repeat or delay work.",
     ),
     (
         "class Robot(Node):\n    def __init__(self):\n        super().__init__(self, 'a')\nRobot()",

@@ -40,8 +40,8 @@ PARAMETERS = [
     ),
     (
         "node.add_on_set_parameters_callback(lambda parameters: None)\nnode.declare_parameter('speed', 1.0)",
-        "rclpy.exceptions.InvalidParameterValueException: Invalid parameter value (1.0) for parameter. "
-        "Reason: Callback returned an invalid type: speed",
+        "rclpy.exceptions.InvalidParameterValueException: Invalid parameter value (1.0) for "
+        "parameter. Reason: Callback returned an invalid type: speed",
         "end the callback with `return SetParametersResult(successful=True)`.",
     ),
     (
@@ -86,7 +86,7 @@ PARAMETERS = [
         "node.add_on_set_parameters_callback(change)\n"
         "node.set_parameters([Parameter('gain', value=2.0)])",
         "RecursionError: maximum recursion depth exceeded",
-        "set_parameters calls this callback again: leave it out. The parameter has its new value when the "
-        "callback has returned `SetParametersResult(successful=True)`.",
+        "set_parameters calls this callback again: leave it out. The parameter has its new value "
+        "when the callback has returned `SetParametersResult(successful=True)`.",
     ),
 ]

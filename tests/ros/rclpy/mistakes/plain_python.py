@@ -16,8 +16,8 @@ PLAIN_PYTHON = [
     (
         "import numpy as np\nnp.array([1.0]).append(2.0)",
         "AttributeError: 'numpy.ndarray' object has no attribute 'append'",
-        "an array has a fixed length: collect items in a list, `items.append(item)`, and make the array at "
-        "the end.",
+        "an array has a fixed length: collect items in a list, `items.append(item)`, and make the "
+        "array at the end.",
     ),
     (
         "speed = 2.0\nspeed.x",
@@ -37,8 +37,8 @@ PLAIN_PYTHON = [
     (
         "import numpy as np\nx = np.array([1.0])\nx > 0.0 & x < 1.0",
         "TypeError: ufunc 'bitwise_and' not supported for the input types",
-        "put each comparison into ( ): `(items[0] > 0) & (items[0] < 1)`. An array of zeros for yes and no "
-        "is `np.zeros(3, bool)`.",
+        "put each comparison into ( ): `(items[0] > 0) & (items[0] < 1)`. An array of zeros for "
+        "yes and no is `np.zeros(3, bool)`.",
     ),
     (
         "corner = (1.0, 2.0)\ncorner['x']",
@@ -88,8 +88,8 @@ PLAIN_PYTHON = [
     (
         "import io, sys\nsys.stdin = io.StringIO('')\nspeed = input('speed: ')",
         "EOFError: EOF when reading a line",
-        "the program waits for a line from the keyboard, and there is none here: run it in a terminal, or "
-        "take the value from a parameter.",
+        "the program waits for a line from the keyboard, and there is none here: run it in a "
+        "terminal, or take the value from a parameter.",
     ),
     ("[].pop()", "IndexError: pop from empty list", "the list is empty: check this first, with if values:."),
     (
@@ -115,8 +115,8 @@ PLAIN_PYTHON = [
     (
         "items = [1.0]\nitems = items.append(2.0)\nitems.append(3.0)",
         "AttributeError: 'NoneType' object has no attribute 'append'",
-        "append changes its object and returns None: write `items.append(item)` alone on the line, without = "
-        "before it.",
+        "append changes its object and returns None: write `items.append(item)` alone on the "
+        "line, without = before it.",
     ),
     (
         "from nav_msgs.msg import Path\nfor point in Path(): ...",
@@ -247,8 +247,8 @@ PLAIN_PYTHON = [
     (
         "def two_link(lift, elbow): ...\ntwo_link(1.0, 1.0, 0.0, 0.0)",
         "TypeError: two_link() takes 2 positional arguments but 4 were given",
-        "def two_link(…) has 2 names in ( ), and the call passes 4 values. If check(…) makes the call, the "
-        "function needs the names of the task.",
+        "def two_link(…) has 2 names in ( ), and the call passes 4 values. If check(…) makes the "
+        "call, the function needs the names of the task.",
     ),
     (
         "def two_link(a, b, c): ...\ntwo_link(1.0, 1.0)",
@@ -267,30 +267,28 @@ PLAIN_PYTHON = [
     ),
     (
         "import numpy as np\nnp.eye(4) @ [1.0, 2.0, 3.0]",
-        "ValueError: matmul: Input operand 1 has a mismatch in its core dimension 0, with gufunc signature "
-        "(n?,k),(k,m?)->(n?,m?) (size 3 is different from 4)",
+        "ValueError: matmul: Input operand 1 has a mismatch in its core dimension 0, with gufunc "
+        "signature (n?,k),(k,m?)->(n?,m?) (size 3 is different from 4)",
         "a 4 x 4 matrix needs points with four numbers: x, y, z and 1.",
     ),
     (
         "import numpy as np\nnp.eye(3) @ np.eye(4)",
-        "ValueError: matmul: Input operand 1 has a mismatch in its core dimension 0, with gufunc signature "
-        "(n?,k),(k,m?)->(n?,m?) (size 4 is different from 3)",
+        "ValueError: matmul: Input operand 1 has a mismatch in its core dimension 0, with gufunc "
+        "signature (n?,k),(k,m?)->(n?,m?) (size 4 is different from 3)",
         "the sizes 4 and 3 do not fit: print .shape of both sides of @.",
     ),
     (
         "import numpy as np\n1 @ np.eye(4)",
-        "ValueError: matmul: Input operand 0 does not have enough dimensions (has 0, gufunc core with "
-        "signature "
-        "(n?,k),(k,m?)->(n?,m?) requires 1)",
+        "ValueError: matmul: Input operand 0 does not have enough dimensions (has 0, gufunc core "
+        "with signature (n?,k),(k,m?)->(n?,m?) requires 1)",
         "one side of @ is a number, but @ multiplies arrays: begin the product with `np.eye(4)`.",
     ),
     (
         "import numpy as np\nnp.array([[1.0, 2.0], 1.0])",
-        "ValueError: setting an array element with a sequence. The requested array has an inhomogeneous "
-        "shape "
-        "after 1 dimensions. The detected shape was (2,) + inhomogeneous part.",
-        "the rows have different lengths, or one item is a list and another a number. A * unpacks a "
-        "list into another one: [*tip, 1.0].",
+        "ValueError: setting an array element with a sequence. The requested array has an "
+        "inhomogeneous shape after 1 dimensions. The detected shape was (2,) + inhomogeneous part.",
+        "the rows have different lengths, or one item is a list and another a number. A * unpacks "
+        "a list into another one: [*tip, 1.0].",
     ),
     (
         "[1.0, 2.0].index(3.0)",
@@ -300,13 +298,13 @@ PLAIN_PYTHON = [
     (
         "min([])",
         "ValueError: min() arg is an empty sequence",
-        "the list is empty: handle this case first, with if not values: return. A generator or a map is "
-        "empty after its first use: make it a list, with [ ] or list( ).",
+        "the list is empty: handle this case first, with if not values: return. A generator or a "
+        "map is empty after its first use: make it a list, with [ ] or list( ).",
     ),
     (
         "import numpy as np\nif np.zeros(3) < 1.0: ...",
-        "ValueError: The truth value of an array with more than one element is ambiguous. Use a.any() or "
-        "a.all()",
+        "ValueError: The truth value of an array with more than one element is ambiguous. Use "
+        "a.any() or a.all()",
         "an array has many values: compare one of them, or use .any() or .all().",
     ),
     (
@@ -357,9 +355,8 @@ PLAIN_PYTHON = [
     ),
     (
         "import tf2_geometry_msgs\nBuffer().transform(Point(), 'map')",
-        "tf2_ros.buffer_interface.TypeException: Type <class 'geometry_msgs.msg._point.Point'> is not "
-        "loaded or "
-        "supported",
+        "tf2_ros.buffer_interface.TypeException: Type <class 'geometry_msgs.msg._point.Point'> is "
+        "not loaded or supported",
         "a Point has no header, so no frame and no time: transform a PointStamped.",
     ),
     (
@@ -371,14 +368,13 @@ PLAIN_PYTHON = [
     (
         "from vision_msgs.msg import Detection3D\nDetection3D().score",
         "AttributeError: 'Detection3D' object has no attribute 'score'",
-        "did you mean `results[0].hypothesis.score`? `%ros2 interface show vision_msgs/msg/Detection3D` "
-        "lists its "
-        "fields.",
+        "did you mean `results[0].hypothesis.score`? `%ros2 interface show "
+        "vision_msgs/msg/Detection3D` lists its fields.",
     ),
     (
         "node = Node('a')\nnode.declare_parameter('max_detections', 5)\nnode.get_parameter('max_detection')",
-        "rclpy.exceptions.ParameterNotDeclaredException: Invalid access to undeclared parameter(s): "
-        "max_detection",
+        "rclpy.exceptions.ParameterNotDeclaredException: Invalid access to undeclared "
+        "parameter(s): max_detection",
         "did you mean 'max_detections'? It is declared.",
     ),
     (
@@ -425,20 +421,20 @@ PLAIN_PYTHON = [
     (
         "list = []\nitems = list('abc')",
         "TypeError: 'list' object is not callable",
-        "list is a variable here, list = …, and hides Python's list(): choose another name for it. In a "
-        "notebook, del list gives back Python's own.",
+        "list is a variable here, list = …, and hides Python's list(): choose another name for "
+        "it. In a notebook, del list gives back Python's own.",
     ),
     (
         "max = 3\nlargest = max(1, 2)",
         "TypeError: 'int' object is not callable",
-        "max is a variable here, max = …, and hides Python's max(): choose another name for it. In a "
-        "notebook, del max gives back Python's own.",
+        "max is a variable here, max = …, and hides Python's max(): choose another name for it. "
+        "In a notebook, del max gives back Python's own.",
     ),
     (
         "Marker = Marker()\nmarker = Marker()",
         "TypeError: 'Marker' object is not callable",
-        "Marker is an object here, Marker = …, and hides the class Marker: choose another name for the "
-        "object, and import the class again.",
+        "Marker is an object here, Marker = …, and hides the class Marker: choose another name "
+        "for the object, and import the class again.",
     ),
     (
         "for x, y, z in enumerate([(1.0, 2.0, 3.0)]):\n    pass",
@@ -486,14 +482,14 @@ PLAIN_PYTHON = [
     (
         "import numpy as np\nx = np.dot([1.0, 2.0], [1.0, 2.0, 3.0])",
         "ValueError: shapes (2,) and (3,) not aligned: 2 (dim 0) != 3 (dim 0)",
-        "the shapes (2,) and (3,) do not fit: the last number of the first one and the first number of "
-        "the second one have to be equal.",
+        "the shapes (2,) and (3,) do not fit: the last number of the first one and the first "
+        "number of the second one have to be equal.",
     ),
     (
         "def score_of(item): ...\nsorted([1.0], key=score_of())",
         "TypeError: score_of() missing 1 required positional argument: 'item'",
-        "the call passes no value for item: put it in ( ). To pass the function itself, write score_of "
-        "without ().",
+        "the call passes no value for item: put it in ( ). To pass the function itself, write "
+        "score_of without ().",
     ),
     (
         "x = 0.5 * '2.0'",

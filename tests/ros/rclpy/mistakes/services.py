@@ -48,9 +48,9 @@ SERVICES = [
         "client = node.create_client(AddTwoInts, 'add')\n"
         "node.create_timer(0.1, lambda: client.call(AddTwoInts.Request()))\n"
         "rclpy.spin(node)",
-        "course_lib.ros.time.time_lock.DeadlockError: call() on /add waits for a response that is taken "
-        "only after this callback has ended. Use call_async() with add_done_callback() or await; "
-        "or a MultiThreadedExecutor, with the client in another callback group.",
+        "course_lib.ros.time.time_lock.DeadlockError: call() on /add waits for a response that is "
+        "taken only after this callback has ended. Use call_async() with add_done_callback() or "
+        "await; or a MultiThreadedExecutor, with the client in another callback group.",
         "",
     ),
     (

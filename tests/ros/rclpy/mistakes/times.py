@@ -5,8 +5,8 @@ TIMES = [
     (
         "Time(0)",
         "TypeError: Time.__init__() takes 1 positional argument but 2 were given",
-        "pass the argument by name: `Time(seconds=1.0)`. In a lookup `Time()` alone requests the newest "
-        "transform.",
+        "pass the argument by name: `Time(seconds=1.0)`. In a lookup `Time()` alone requests the "
+        "newest transform.",
     ),
     (
         "PoseStamped().header.stamp.nanosec = node.get_clock().now().nanoseconds",

@@ -4,8 +4,8 @@
 TOPICS = [
     (
         "node.create_subscription(String, 'chatter', 'heard', 10)",
-        "RuntimeError: Subscription.__init__(): callback should be either be callable with one argument"
-        "(to get only the message) or two (to get message and message info)",
+        "RuntimeError: Subscription.__init__(): callback should be either be callable with one "
+        "argument(to get only the message) or two (to get message and message info)",
         "the callback is a function and not its name: write self.heard, without quotes.",
     ),
     (
