@@ -60,7 +60,7 @@ def check_size(path: Path, most: int) -> None:
 
 
 def check_regular(path: Path) -> os.stat_result:
-    """Return the status of a file or folder; raise an OSError for a named pipe, a socket or a device.
+    """Return the status of a file or folder; raise an OSError for a named pipe, socket or device.
 
     Opening a pipe waits for a program that writes to it, and a device may have no end. Opening a folder
     raises the usual error.

@@ -90,7 +90,7 @@ STANDIN_NAMES = {path.name for path in (COURSE_LIB / "ros" / "standin").iterdir(
 
 @cache
 def written_imports(path: Path) -> frozenset[str]:
-    """Return all names that a file imports; the stand-in's names by their location in course_lib."""
+    """Return all names that a file imports; the stand-in's by their location in course_lib."""
     return frozenset(_imports_of(path))
 
 
@@ -107,7 +107,7 @@ def _imports_of(path: Path) -> Iterator[str]:
 
 @cache
 def import_graph() -> dict[str, set[str]]:
-    """Return the modules of course_lib that each of them imports, also lazily or for its types only.
+    """Return the modules of course_lib that each of them imports, also lazily or for types only.
 
     A module's own packages do not count: they are imported before it, whatever it writes.
     """

@@ -716,7 +716,7 @@ def _deletable_parts(source: str, tree: ast.AST) -> Iterator[_DeletablePart]:
 
 
 def _parts_in_string(literal: str, at: int) -> Iterator[_DeletablePart]:
-    """Yield the parts of a program in a triple-quoted string, with placeholders parsed as numbers."""
+    """Yield the parts of a program in a triple-quoted string, with placeholders read as numbers."""
     match = LONG_STRING.fullmatch(literal)
     if match is None:
         return

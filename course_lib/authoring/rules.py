@@ -202,7 +202,7 @@ def sentences(text: str) -> list[list[str]]:
 
 
 def long_sentences(page: NotebookPage) -> Iterator[str]:
-    """Yield a flaw for each sentence that is too long, and for an average length that is too high."""
+    """Yield a flaw for each sentence that is too long, and for too high an average length."""
     sentences_of_page = sentences(page.markdown)
     average = sum(map(len, sentences_of_page)) / max(len(sentences_of_page), 1)
     if average > AVERAGE_SENTENCE:
@@ -278,7 +278,7 @@ def missing_quizzes(page: NotebookPage) -> Iterator[str]:
 
 
 def missing_page(page: NotebookPage) -> Iterator[str]:
-    """Yield a flaw for each missing section at the end, a missing page to show, and too few links."""
+    """Yield a flaw for each missing final section, a missing page to show, and too few links."""
     titles = [re.sub(r"^\d+\. | \(\d+ min\)$", "", title) for _, title in page.headings]
     ends = [title for title in titles if title in ("Show it", "Recap", "Further reading")]
     if ends != ["Show it", "Recap", "Further reading"]:
@@ -327,7 +327,7 @@ def wrong_minutes_in_metadata(page: NotebookPage) -> Iterator[str]:
 
 
 def wrong_predictions(page: NotebookPage) -> Iterator[str]:
-    """Yield a flaw for each prediction that is not requested or not compared, or shown too early."""
+    """Yield a flaw for each prediction that is not requested, not compared or shown too early."""
     name = page.week if "your_review" not in page.path.stem else page.path.stem.replace("_your", "")
     predicted, compared = ([key for call, key in page.questions if call == c] for c in ("predict", "compare"))
     quizzes = page.exercises / "quizzes"

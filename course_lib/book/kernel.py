@@ -1,4 +1,4 @@
-"""The code of the book that runs in a lesson's kernel and saves each 3D view as a scene in a file."""
+"""The book's code that runs in a lesson's kernel and saves each 3D view as a scene in a file."""
 
 import base64
 import gzip
@@ -350,7 +350,7 @@ def _make_scripts(scene_bytes: bytes) -> _Scripts:
 
 
 def _fit(pack: Callable[[float], bytes]) -> _Scripts:
-    """Return a recording with the smallest interval between pictures whose script is small enough."""
+    """Return a recording with the smallest picture interval whose script is small enough."""
     for interval in INTERVALS:
         scripts = _make_scripts(pack(interval))
         if len(scripts.scene) <= ROOM:

@@ -21,7 +21,7 @@ Counts = Literal["last", "best"]
 
 @dataclass(frozen=True)
 class LatePolicy:
-    """The late policy: a deduction in percent of the mark for each started day after a grace period.
+    """The late policy: a deduction in percent of the mark per started day after a grace period.
 
     Args:
         percent_per_day: Deduction for each started day.

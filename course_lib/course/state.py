@@ -32,7 +32,7 @@ DIGITS = 12
 
 
 def find_student_folder(start: Path | None = None) -> Path | None:
-    """Return the student's folder that contains `start` (default: the working directory), or None."""
+    """Return the student's folder containing `start` (default: the working directory), or None."""
     top = (start or Path.cwd()).resolve()
     return next((folder for folder in (top, *top.parents) if (folder / STATE_FOLDER).is_dir()), None)
 
@@ -226,7 +226,7 @@ def _installed_courses() -> dict[str, Path]:
 
 
 def material_root() -> Path:
-    """Return the folder with `notebooks/` and `exercises/`, in an installed wheel or in the checkout.
+    """Return the folder with `notebooks/` and `exercises/`, in an installed wheel or the checkout.
 
     Raises:
         CourseError: The installation contains neither.

@@ -729,7 +729,7 @@ def lab(
     browser: bool = True,
     serves: bool = True,
 ) -> None:
-    """Update the student's folder and serve it until Ctrl+C, or SIGTERM when a container is stopped.
+    """Update the student's folder and serve it until Ctrl+C, or SIGTERM when a container stops.
 
     On a JupyterHub, or without `serves`, only the folder is updated, because JupyterLab already
     runs.

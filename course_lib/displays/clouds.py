@@ -624,7 +624,7 @@ def colors(message: Any, shape: tuple[int, ...]) -> Pixels:
 
 
 def project_depths(depth: Float32s, info: Any) -> Float32s:
-    """Project an image of depths to points, shape (rows, columns, 3): z ahead, x right, y down, [m].
+    """Project a depth image to points, shape (rows, columns, 3): z ahead, x right, y down, [m].
 
     Raises:
         DepthError: The sensor_msgs/msg/CameraInfo describes an image of another size.

@@ -197,7 +197,7 @@ class Context:
         return self.time.now_ns
 
     def follow_frame(self, frame: str) -> tuple[str, Matrix] | None:
-        """Return the path of a node that moves with a tf frame, and the transform to the fixed frame.
+        """Return the path of a node moving with a tf frame, and the transform to the fixed frame.
 
         Returns:
             None if the transform is unknown.
@@ -634,7 +634,7 @@ class DrawnDisplay(TopicDisplay):
         raise NotImplementedError
 
     def process(self, message: Any) -> None:
-        """Convert, keep and draw a message, if its numbers are finite and its transform is known."""
+        """Convert, keep and draw a message if its numbers are finite and its transform is known."""
         if not np.isfinite(self.numbers(message)).all():
             self.statuses.set("error", "Topic", INVALID)
             return

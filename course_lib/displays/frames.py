@@ -65,7 +65,7 @@ class Frames:
         return complaints
 
     def transform(self, frame: str, stamp_ns: int = 0) -> Matrix | None:
-        """Return the transform from a frame to the fixed frame, shape (4, 4); None if it is unknown.
+        """Return the transform from a frame to the fixed frame, shape (4, 4); None if unknown.
 
         Args:
             frame: The name of the frame; a leading slash is removed, as in RViz.

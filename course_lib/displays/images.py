@@ -171,7 +171,7 @@ def rows_of(message: Any, kind: str, count: int) -> AnyArray:
 
 
 def _from_yuv(pairs: Pixels, bright: tuple[int, int], u_at: int, v_at: int) -> Pixels:
-    """Convert pixels that share their chrominance in pairs to RGB, with RViz's integer arithmetic."""
+    """Convert pixels that share chrominance in pairs to RGB, with RViz's integer arithmetic."""
     height, width = pairs.shape[:2]
     four = pairs[:, : width // 2 * 2].reshape(height, -1, 4).astype(np.int32)
     y = four[..., bright]
@@ -424,7 +424,7 @@ class CameraInfoDisplay(DrawnDisplay):
     )
 
     def convert(self, message: Any, transform_frame_to_fixed: Matrix) -> Matrix | None:
-        """Return the directions of the image corners at a distance of 1 m, shape (4, 3), or None."""
+        """Return the image corners' directions at a distance of 1 m, shape (4, 3), or None."""
         rays = _rays(message)
         if rays is None:
             self.statuses.set("error", "Camera Info", "Invalid intrinsic matrix")

@@ -98,7 +98,7 @@ def _arrows(marker: Message, control: Message) -> Iterable[Message]:
 
 
 def _ring(marker: Message, control: Message) -> Iterable[Message]:
-    """Yield a ring around the control's x axis; a ring that rotates has dark and bright segments."""
+    """Yield a ring around the control's x axis; a rotating ring has dark and bright segments."""
     ring = _handle(_TRIANGLES, control, (marker.scale,) * 3)
     corners, shades = _PIECES.get(control.interaction_mode, _plain)()
     angles = np.arange(_STEPS) * (2 * math.pi / _STEPS)

@@ -237,7 +237,7 @@ def text_at(config: Config, label: str) -> str:
 
 
 class _LayoutReader:
-    """Reads the parts of a parsed file, and collects errors about parts with an invalid structure."""
+    """Reads the parts of a parsed file, and collects errors for parts with an invalid structure."""
 
     def __init__(self, parsed: ParsedYaml) -> None:
         self._parsed = parsed

@@ -53,7 +53,7 @@ _TF_TOPICS = {"/tf": Qos(depth=100), "/tf_static": Qos(depth=100, durability="tr
 
 @dataclass
 class _AttachedNode:
-    """A node of the scene that follows a frame ("" is the fixed frame), and the state drawn last."""
+    """A scene node that follows a frame ("" is the fixed frame), and the state drawn last."""
 
     frame: str
     transform_node_to_frame: Matrix

@@ -298,7 +298,7 @@ class Viewer(KnownAttributes):
         self._cell.dock(self)
 
     def freeze(self, seconds: float = 5.0) -> "RestingView":
-        """Return a copy of the view for the last line of a cell, which later messages do not change.
+        """Return a copy of the view for a cell's last line, which later messages do not change.
 
         Args:
             seconds: The length [s] of robot time before now that the copy can play.

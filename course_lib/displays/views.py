@@ -434,7 +434,7 @@ _NEAREST, _FARTHEST = 2.0, 500.0
 
 
 class Framing:
-    """Moves a view that neither a program, a layout nor a user has set, so that it shows all objects.
+    """Moves a view that no program, layout or user has set, so that it shows all objects.
 
     RViz starts 10 m from the origin, whatever is drawn. Here, the default view is moved so that all
     drawn objects and the origin are in the image: when something is drawn for the first time, and

@@ -236,7 +236,7 @@ _TESTED_BY = ("ament_copyright", "ament_flake8", "ament_pep257", "python3-pytest
 
 @dataclass(frozen=True)
 class Report:
-    """The missing parts of a package: the parts required to build and start it, and advised ones."""
+    """The missing parts of a package: those required to build and start it, and advised ones."""
 
     name: str
     missing: tuple[str, ...]

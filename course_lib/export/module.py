@@ -354,7 +354,7 @@ _DISPLAYS = {
 
 
 def node_classes(code: Sequence[Statement], names: Sequence[str]) -> list[Statement]:
-    """Find the classes to export: the classes with these names, or by default all subclasses of Node.
+    """Find the classes to export: those with these names, or by default all subclasses of Node.
 
     Raises:
         CourseError: A name is not a class, or there are no subclasses of Node.

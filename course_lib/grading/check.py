@@ -57,7 +57,7 @@ class CheckFailedError(CourseError):
 
 
 def check(task_id: str, subject: Any = MISSING) -> None:
-    """Run your object through the public checks of a task and show what passed, what failed, and why.
+    """Run your object through a task's public checks and show what passed, what failed, and why.
 
     Args:
         task_id: The task, "week01.post".

@@ -1,4 +1,4 @@
-"""`course grade`: a folder of submissions through five stages, hand-in, run, judge, mark and report.
+"""`course grade`: a folder of submissions in five stages, hand-in, run, judge, mark and report.
 
 Each stage is one function from records to records, and each record is a file with the digest of
 what it depends on. An existing record with the right digest is not computed again.

@@ -241,7 +241,7 @@ def dates_of(course: CourseFile, student: str, exercise: str) -> list[Any]:
 
 
 def attempt_of(submission: Submission) -> Attempt:
-    """Return the key of an attempt: its evidence, time of receipt, and whether its ID is correct."""
+    """Return an attempt's key: its evidence, time of receipt, and whether its ID is correct."""
     return Attempt(submission.key, submission.received, submission.id_flag)
 
 

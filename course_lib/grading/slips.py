@@ -368,7 +368,7 @@ def _waiting_loops(function: Function) -> Iterator[str]:
 
 
 def _endless_loops(function: Function) -> Iterator[str]:
-    """Yield a sentence for each loop that publishes and never ends, as programs of ROS 1 have it."""
+    """Yield a sentence for each loop that publishes and never ends, as ROS 1 programs have it."""
     for node in ast.walk(function):
         match node:
             case ast.While(test=test, body=body) if _is_endless(test) and not _leaves(body):

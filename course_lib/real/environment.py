@@ -181,7 +181,7 @@ def install(report: Callable[[str], None]) -> RealEnvironment:
 
 
 def _check_disk(folder: Path) -> None:
-    """Check that the disk of a folder, of which an earlier installation is removed, has enough space.
+    """Check that the disk of a folder, whose earlier installation is removed, has enough space.
 
     Raises:
         CourseError: It has not.

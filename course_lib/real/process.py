@@ -1,4 +1,4 @@
-"""Programs under the real rclpy in separate processes, and the graph that is linked to them over DDS.
+"""Programs under the real rclpy in separate processes, and the graph linked to them over DDS.
 
 `course run my_node.py --ros` runs the same file on the real ROS 2; the kit displays and records it.
 """

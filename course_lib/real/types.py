@@ -32,7 +32,7 @@ def missing_packages(
     installed: Iterable[str],
     programs: Iterable[Path],
 ) -> tuple[list[str], list[str]]:
-    """Return the packages of types without a wheel, and a line for each package that cannot be read.
+    """Return the packages of types without a wheel, and a line for each unreadable package.
 
     Args:
         installed: The packages of the environment.

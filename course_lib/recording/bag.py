@@ -177,7 +177,7 @@ METADATA = "metadata.yaml"
 
 
 class BagWriter:
-    """The writer of a bag with one file. As a context manager it leaves a partial bag after an error.
+    """The writer of a one-file bag. As a context manager it leaves a partial bag after an error.
 
     Args:
         folder: The bag's folder, which is created.

@@ -219,7 +219,7 @@ def link_poses(robot: Robot, positions: Mapping[str, float] | None = None) -> di
 
 
 def configuration(robot: Robot, positions: Mapping[str, float]) -> Floats:
-    """Return the positions of all joints, in the order of the robot's `Motions`; see `link_poses`."""
+    """Return all joint positions, in the order of the robot's `Motions`; see `link_poses`."""
     tree, joints = robot.tree, motions_of(robot.tree).joints
     movable = {joint.name: joint for joint in tree.joints.values() if joint.kind in MOVING}
     for name, position in positions.items():

@@ -499,7 +499,7 @@ def _advice_for_macros(text: str) -> str:
 
 
 def _line_of_error(text: str, message: str) -> str:
-    """Return ", line 12" for the line of a file that contains a name quoted in the message, or ""."""
+    """Return ", line 12" for the line of a file with a name quoted in the message, or ""."""
     files = re.findall(r"/([^\s/:]+\.\w+)", message)
     names = ["".join(groups) for groups in re.findall(r"\[([^\[\]]+)\]|'([^']+)'", message)]
     # The name of a broken or missing file is more specific than the robot's name in the same

@@ -63,7 +63,7 @@ _TAGS = (
 
 
 def is_number(text: str) -> bool:
-    """Return whether urdfdom parses a string as a number: finite, without surrounding characters."""
+    """Return whether urdfdom parses a string as a finite number without surrounding characters."""
     return bool(_NUMBER.fullmatch(text)) and isfinite(float(text))
 
 
@@ -314,7 +314,7 @@ _NEEDED: Mapping[str, tuple[set[str], str]] = {
 
 
 def _material(element: ET.Element, problems: list[str]) -> Material | None:
-    """Return the material that an element defines, or None if it is malformed or only a reference."""
+    """Return the material that an element defines, or None if malformed or only a reference."""
     name, color, texture = element.get("name", ""), element.find("color"), element.find("texture")
     if texture is not None and "filename" in texture.attrib:
         return Material((1.0, 1.0, 1.0, 1.0), texture.attrib["filename"])
@@ -438,7 +438,7 @@ class Urdf:
     joints: Mapping[str, Joint]
 
     def resolve_mimic(self, joint: Joint) -> Mimic:
-        """Return a joint's position by the joint at the end of its mimic chain, which may be itself.
+        """Return a joint's position by the last joint of its mimic chain, which may be itself.
 
         Raises:
             CourseError: Joints mimic each other in a cycle.

@@ -767,7 +767,7 @@ def _list_hint(error: BaseException, text: str) -> str:
 
 
 def _append_hint(error: BaseException, text: str) -> str:
-    """Return the hint for several numbers that are added to a field of numbers in one step, or ""."""
+    """Return the hint for several numbers added to a field of numbers in one step, or ""."""
     if not isinstance(error, TypeError):
         return ""
     line = near_names.line_of_student(error)
@@ -864,7 +864,7 @@ def _missing_self_hint(error: NameError, text: str) -> str:
 
 
 def _imported_interfaces(error: ModuleNotFoundError) -> tuple[str, str] | None:
-    """Return the package and the kind if the import of a missing package requests its interfaces."""
+    """Return the package and kind if the import of a missing package requests its interfaces."""
     names = [error.name or ""]
     trace = error.__traceback__
     while trace is not None:

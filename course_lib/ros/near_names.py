@@ -265,7 +265,7 @@ def frame_of(error: BaseException) -> FrameType | None:
 
 
 def line_of_student(error: BaseException) -> str:
-    """Return the innermost line of the traceback outside the kit, Python and its libraries, or ""."""
+    """Return the traceback's innermost line outside the kit, Python and its libraries, or ""."""
     others = (_KIT_FOLDER, "<frozen", *sysconfig.get_paths().values())
     lines = [(frame.f_code.co_filename, number) for frame, number in walk_tb(error.__traceback__)]
     own = [(name, number) for name, number in lines if not name.startswith(others)]
@@ -364,7 +364,7 @@ def _similar_name(
 
 
 def _similar_variable(missing: str, frame: FrameType) -> str:
-    """Return the hint for the variable or class whose name is closest to an undefined one, or ""."""
+    """Return a hint for the variable or class whose name is closest to an undefined one, or ""."""
     # The name of the function itself, like confidence_color, often resembles that of its parameter.
     names = [name for name in (*frame.f_locals, *frame.f_globals) if name != frame.f_code.co_name]
     similar = nearest(missing, names)
@@ -384,7 +384,7 @@ def _call_hint(missing: str, line: str, frame: FrameType) -> str:
 
 
 def _is_string_of_class(name: str, frame: FrameType) -> bool:
-    """Return whether a name is a string in the running function or in another method of its class."""
+    """Return whether a name is a string in the running function or another method of its class."""
     methods = vars(type(frame.f_locals.get("self"))).values()
     codes = [frame.f_code, *(one.__code__ for one in methods if isinstance(one, FunctionType))]
     return any(name in filter(lambda one: isinstance(one, str), code.co_consts) for code in codes)
@@ -662,7 +662,7 @@ def _reachable_object(frame: FrameType, name: str) -> Any:
 
 
 def constructor_hint(error: BaseException) -> str:
-    """Return a question with the field closest to one that a message's constructor rejects, or ""."""
+    """Return a question with the field closest to one that a message constructor rejects, or ""."""
     match = re.match(r"Invalid arguments passed to constructor: (\w+)", str(error))
     frame = frame_of(error)
     instance = frame.f_locals.get("self", frame.f_locals.get("_self")) if frame is not None else None
@@ -694,7 +694,7 @@ def synonyms(name: str) -> tuple[str, ...]:
 
 
 def is_angle(name: str) -> bool:
-    """Return whether a name denotes an angle, such as yaw, which students expect in a quaternion."""
+    """Return whether a name denotes an angle, like yaw, which students expect in a quaternion."""
     return name.lower() in _ANGLES
 
 

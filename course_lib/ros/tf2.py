@@ -86,7 +86,7 @@ class Transform:
 
 
 def interpolate(older: Transform, newer: Transform, time_ns: int) -> Transform:
-    """Interpolate between two transforms: linearly in position, along the shorter arc in rotation."""
+    """Interpolate between two transforms: position linearly, rotation along the shorter arc."""
     if older.stamp_ns == newer.stamp_ns:
         return newer
     ratio = (time_ns - older.stamp_ns) / (newer.stamp_ns - older.stamp_ns)

@@ -53,7 +53,7 @@ def check_limits(name: str, unit: str, low: Any, high: Any) -> tuple[float, floa
 
 
 def check_array(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    """Return a read-only array of finite float64 numbers with a shape, in which -1 means any length.
+    """Return a read-only array of finite float64 numbers with a shape, where -1 means any length.
 
     Raises:
         CourseError: The shape differs or a number is not finite.
@@ -122,7 +122,7 @@ class Motion:
 
 
 def pose_function(name: str, pose: Pose) -> Callable[[float], Floats]:
-    """Return a function of robot time [s] to checked transforms, from a fixed pose or a function."""
+    """Return a function of robot time [s] to checked transforms, from a function or fixed pose."""
     if isinstance(pose, Motion):
         return pose.at
     if callable(pose):
@@ -203,7 +203,7 @@ def _between_walls(origin: Floats, rays: Floats, half: Floats) -> tuple[Floats, 
 
 
 def _within_radius(origin: Floats, rays: Floats, radius: float) -> tuple[Floats, Floats]:
-    """Return the distances at which rays enter and leave a sphere (3 rows) or a cylinder (2 rows)."""
+    """Return the distances at which rays enter and leave a sphere (3 rows) or cylinder (2 rows)."""
     square = np.einsum("ij,ij->j", rays, rays)
     along_axis = square < 1e-18
     square[along_axis] = 1

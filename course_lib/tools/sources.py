@@ -117,7 +117,7 @@ class GraphSource(Source):
         self.discovery, self._interrupted = discovery, interrupted
 
     def limit(self, enough: float = pace.SECONDS_WITHOUT_A_PAGE) -> float | None:
-        """Return a limit for notebooks without a page, where no ■ and no %timeout can interrupt."""
+        """Return a limit for notebooks without a page, where no ■ or %timeout can interrupt."""
         has_time_limit = self.graph.notebook and pace.mode() == "fast" and not self._interrupted
         return enough if has_time_limit else None
 

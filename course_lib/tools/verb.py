@@ -141,7 +141,7 @@ def hidden(kind: str) -> Option:
 
 
 def write_names(types_by_name: Types, arguments: Namespace, write: Write) -> None:
-    """Print names with types, or their number, depending on the options `show_types` and `count`."""
+    """Print names with types, or their number, depending on options `show_types` and `count`."""
     if arguments.count:
         write(f"{len(types_by_name)}\n")
         return

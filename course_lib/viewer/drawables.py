@@ -91,7 +91,7 @@ class ShapeError(CourseError):
 def checked_array(
     name: str, value: npt.ArrayLike, dtype: npt.DTypeLike, *shapes: tuple[int | None, ...]
 ) -> Any:
-    """Return a read-only copy of an array of one of the given shapes, where None matches any length.
+    """Return a read-only copy of an array of one of the given shapes; None matches any length.
 
     Raises:
         ShapeError: It has none of them; the message has both shapes.
@@ -201,7 +201,7 @@ class Mesh:
 
     @cached_property
     def corners(self) -> Floats:
-        """Lowest and highest corner of the bounding box, shape (2, 3), or (0, 3) without vertices."""
+        """Lowest and highest corner of the bounding box, shape (2, 3); (0, 3) without vertices."""
         if not len(self.vertices):
             return np.empty((0, 3))
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]).astype(float)

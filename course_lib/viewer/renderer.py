@@ -60,7 +60,7 @@ def rasterize(text: str) -> Glyphs:
 
 
 def _font_for(text: str) -> ImageFont.FreeTypeFont:
-    """Return RViz's own font or, for characters that it lacks, the font with the widest coverage."""
+    """Return RViz's own font or, for characters it lacks, the font with the widest coverage."""
     fonts = _fonts()
     for font in fonts:
         missing = bytes(font.getmask("\uffff"))
@@ -199,7 +199,7 @@ class Viewpoint:
 def triangles_of(
     scene: Scene, camera: drawables.Camera, height: int, hidden_paths: tuple[str, ...] = ()
 ) -> Iterator[Triangles]:
-    """Iterate over all visible objects in an image of the given height, except those at hidden paths.
+    """Iterate over all visible objects in an image of a given height, except those at hidden paths.
 
     Objects that only three.js can draw, without an equivalent drawable, are left out.
     """

@@ -347,7 +347,7 @@ def _box(scene: Scene, path: str, drawable: drawables.Drawable) -> Floats | None
 
 
 def _points_and_extent(drawable: drawables.Drawable) -> tuple[Reals, Reals]:
-    """Return the points of an object, shape (N, 3), and its extent beyond them, shape (N or 1, 3)."""
+    """Return an object's points, shape (N, 3), and its extent beyond them, shape (N or 1, 3)."""
     nothing = np.zeros((1, 3))
     if isinstance(drawable, drawables.Solids):
         return drawable.placements[:, :3, 3], np.abs(drawable.placements[:, :3, :3]).sum(axis=2) / 2

@@ -55,7 +55,7 @@ class Frame:
         return size
 
     def __getstate__(self) -> tuple[Any, ...]:
-        """Return the state for pickle, with all matrices in one array, which is ten times faster."""
+        """Return the state for pickle with all matrices in one array, which is ten times faster."""
         transform_changes = [
             change for change, value in self.changes.items() if isinstance(value, np.ndarray)
         ]

@@ -242,7 +242,7 @@ def drawable_of(json: Json) -> drawables.Drawable:
 
 
 def _resolve(json: Json, field: str, library: str) -> Json:
-    """Return the entry of `library` whose uuid is in the object's `field`, or {} if there is none."""
+    """Return the entry of `library` whose uuid is in the object's `field`, or {} if absent."""
     uuid = json["object"].get(field)
     return next((part for part in json.get(library, ()) if part["uuid"] == uuid), {})
 

@@ -213,7 +213,7 @@ class SceneWidget(anywidget.AnyWidget):
         super().close()
 
     def _save(self, _: object) -> None:
-        """Save the present scene in a notebook that runs without a page, for example by nbconvert."""
+        """Save the present scene in a notebook run without a page, for example by nbconvert."""
         if not self.link.is_watched and self.link.snapshot()[0] != self._saved:
             self.send_state(["snapshot", "number"])
 

@@ -48,7 +48,7 @@ viewer["box"].set_transform(tf.translation_matrix([1, 0, 0]))"""
 
 
 def dashboard() -> list[str]:
-    """Return the cells that run the dashboard: the lesson's own classes, all nodes, all displays."""
+    """Return the cells that run the dashboard: the lesson's own classes, all nodes and displays."""
     cells = read_notebook(lessons_dir() / "week07_dashboard.ipynb")["cells"]
     texts = [source(c) for c in cells if c["id"] in SETUP or source(c).startswith("# export\n")]
     return [*texts, SHOW]

@@ -169,7 +169,7 @@ print((time.perf_counter() - start) / {count})
 
 
 def weeks(top: Path, most: int, python: str | None) -> None:
-    """Print a row per week: the CPU of its solution and mutants, and of nbgrader for the solution."""
+    """Print a row per week: CPU of its solution and mutants, and of nbgrader for the solution."""
     for week, ours, row in rows(most):
         print(row)
         if python:

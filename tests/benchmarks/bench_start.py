@@ -1,4 +1,4 @@
-"""Compare the kit's start-up time with the import of numpy: `python -m tests.benchmarks.bench_start`.
+"""Compare the kit's start-up time with numpy's import: `python -m tests.benchmarks.bench_start`.
 
 On a busy machine the processor's time is steadier than the wall clock's; both are measured.
 """

@@ -42,7 +42,7 @@ def cost(cells: list[str], week: str) -> tuple[float, float]:
 
 
 def kernel(top: Path) -> Path:
-    """Write the spec of a kernel with the kit for nbgrader, whose environment does not contain it."""
+    """Write the spec of a kernel with the kit for nbgrader, whose environment lacks it."""
     folder = top / "jupyter/kernels/python3"
     folder.mkdir(parents=True)
     start = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"]

@@ -52,7 +52,7 @@ class Ours:
         time.sleep(0.0001)  # let the server's thread run, too
 
     def arrived(self, page: Page) -> int:
-        """Count the transforms that were set, once the page has answered for the last one of each."""
+        """Count the transforms that were set, once the page has answered for the last of each."""
         last = self._number() + 1
         while max((page.number for page in self.server.link._flow.pages.values()), default=last) < last:
             self.parts[0].set_transform(np.eye(4))

@@ -149,7 +149,7 @@ def _died_at_the_end(output: str) -> bool:
 
 
 def judged_error(error: BaseException, clone: Path) -> Judged:
-    """Return the result and the reason for an exception of a file, without paths of this machine."""
+    """Return the result and the reason for a file's exception, without paths of this machine."""
     text = f"{type(error).__name__}: {error}".replace(f"{clone}/", "").strip()
     missing = _MISSING.search(text)
     if missing is not None:

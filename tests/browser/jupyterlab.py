@@ -137,7 +137,7 @@ class Notebook:
         self._run("runmenu:run-all")
 
     def run_rest(self) -> None:
-        """Run the active cell and all cells below it, as the Run menu does; those above were run."""
+        """Run the active cell and all cells below, as the Run menu does; those above were run."""
         self._run("notebook:run-all-below")
 
     def _run(self, command: str) -> None:

@@ -267,7 +267,7 @@ _CHANGES: Sequence[Callable[[random.Random, str], str]] = (
 
 
 def show_urdfs(seed: int, count: int) -> Iterator[str]:
-    """Show mutated URDFs in a RobotModel and an Effort display, and load them; yield every fault."""
+    """Show mutated URDFs in RobotModel and Effort displays, and load them; yield every fault."""
     chance = random.Random(seed)
     bench = Bench("base")
     bench.transform("base", "upper", (0.0, 2.0, 0.0))

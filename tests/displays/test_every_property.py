@@ -1,4 +1,4 @@
-"""Every property of every display class changes the picture, or is listed with the reason why not."""
+"""Every property of every display class changes the picture, or is listed with a reason why not."""
 
 from collections.abc import Mapping
 from functools import cache

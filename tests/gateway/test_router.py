@@ -70,7 +70,7 @@ def started(tmp_path: Path) -> Iterator[Started]:
 
 
 def _interrupted(process: Program) -> int:
-    """Return the exit code after Ctrl+C. A process that continues dumps its threads and is killed."""
+    """Return the exit code after Ctrl+C. A continuing process dumps its threads and is killed."""
     process.send_signal(signal.SIGINT)
     try:
         return process.wait(PATIENCE)

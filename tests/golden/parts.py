@@ -83,14 +83,14 @@ def rounded(value: Any) -> str:
 
 
 def recording_lines(recording: Recording) -> Iterator[str]:
-    """Yield a line for each topic of a recording: its type, its number of messages, their digest."""
+    """Yield a line for each topic of a recording: type, number of messages and their digest."""
     for topic in recording.topics():
         stamped = [f"{stamp} {rounded(message)}" for stamp, message in recording.messages(topic.name)]
         yield f"  {topic.name} [{topic.type_name}] {topic.count} messages, {digest(*stamped)}"
 
 
 def message_lines() -> Iterator[str]:
-    """Yield each message type with its type hash and the digest of a default message's CDR bytes."""
+    """Yield each message type with its hash and the digest of a default message's CDR bytes."""
     for name in sorted(type_names()):
         if name.split("/")[1] == "msg":
             yield f"{name} {type_hash(name)} {digest(serialize(message_class(name)()))}"
@@ -153,7 +153,7 @@ def property_lines() -> Iterator[str]:
 
 
 def layout_lines() -> Iterator[str]:
-    """Yield each layout of the course and of tests/data with the digest of the file that is saved."""
+    """Yield each layout of the course and of tests/data with the digest of the saved file."""
     own = sorted(path for room in ("exercises", "tests/data") for path in (ROOT / room).rglob("*.rviz"))
     with tempfile.TemporaryDirectory() as folder:
         for path in own:

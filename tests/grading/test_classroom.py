@@ -37,7 +37,7 @@ def git(folder: Path, *words: str) -> str:
 
 
 def clone_of(clones: Path, login: str) -> Path:
-    """A student's repository with a solved week 1, and all other exercises as they were released."""
+    """A student's repository with a solved week 1, and all other exercises as released."""
     folder = clones / f"robotics-{login}"
     prepare(folder / "my_course")
     shutil.copy(solutions_dir() / f"{WEEK}_solution.ipynb", folder / "my_course" / f"{WEEK}_exercise.ipynb")

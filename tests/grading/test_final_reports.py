@@ -1,4 +1,4 @@
-"""`course report --final`, marks without a file, and options that choose an exercise or a section."""
+"""`course report --final`, marks without a file, and options that choose an exercise or section."""
 
 from collections.abc import Callable
 from pathlib import Path

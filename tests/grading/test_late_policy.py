@@ -1,4 +1,4 @@
-"""The late policy of course.toml: grace, maximum penalty, last accepted day, extensions of groups."""
+"""The late policy of course.toml: grace, maximum penalty, last accepted day, group extensions."""
 
 from collections.abc import Callable
 from datetime import datetime

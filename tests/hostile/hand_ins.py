@@ -1,4 +1,4 @@
-"""Downloads of generated classes whose students choose names that resemble those of the platforms."""
+"""Downloads of generated classes whose students choose names resembling those of the platforms."""
 
 import json
 import random

@@ -103,7 +103,7 @@ def spoilt(chance: random.Random, data: bytes) -> bytes:
 
 
 def random_text(chance: random.Random) -> str:
-    """Return a layout or a parameter file with some fragments swapped, or a few random fragments."""
+    """Return a layout or parameter file with some fragments swapped, or a few random fragments."""
     text = chance.choice((LAYOUT, PARAMETERS, ""))
     for _ in range(chance.randint(0, 6)):
         at = chance.randint(0, len(text))

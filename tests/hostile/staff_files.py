@@ -92,7 +92,7 @@ def _changed(chance: random.Random, content: object) -> object:
 
 
 def mangled_zip(chance: random.Random) -> bytes:
-    """Return a platform's download with unusual names, corrupted members, or a corrupted archive."""
+    """Return a platform's download with unusual names, corrupt members, or a corrupt archive."""
     files = {}
     for _ in range(chance.randint(0, 5)):
         name = chance.choice(PATHS)

@@ -425,7 +425,7 @@ def _folder_size(folder: str) -> tuple[int, int]:
 
 
 def descendants(pid: int) -> Iterator[int]:
-    """Yield the ids of all descendants of a process, or nothing on systems that do not list them."""
+    """Yield the ids of all descendants of a process, or none on systems that do not list them."""
     for task in Path(f"/proc/{pid}/task").glob("*/children"):
         # The process may have just ended.
         with suppress(OSError):

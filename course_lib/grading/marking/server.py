@@ -322,7 +322,7 @@ class ItemHandler(_JsonHandler):
     """Serves one item."""
 
     async def get(self, _: str, key: str) -> None:
-        """Respond with the item's code, rubric and marks, and record that it is open in this page."""
+        """Respond with the item's code, rubric and marks, and record it as open in this page."""
         await self.answer(self._details, key)
 
     def _details(self, key: str) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""`course classroom`: run public checks at each push to GitHub, and collect clones as submissions."""
+"""`course classroom`: run public checks on each GitHub push, and collect clones as submissions."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""`course gradescope WEEK`: write an autograder.zip that grades one week's exercise on Gradescope."""
+"""`course gradescope WEEK`: write an autograder.zip that grades a week's exercise on Gradescope."""
 
 import io
 import json

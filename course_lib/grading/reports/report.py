@@ -1,4 +1,4 @@
-"""The stage `report`: from a result to the student's report page, and its feedback for a platform."""
+"""The stage `report`: from a result to a student's report page, and its feedback for a platform."""
 
 import io
 import re

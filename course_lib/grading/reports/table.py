@@ -193,7 +193,7 @@ def counts(rows: Iterable["GradebookRow"]) -> str:
 
 
 def task_lines(results: Iterable[Result]) -> list[str]:
-    """Return a line per automatically marked task: number of results, mean, number of full marks."""
+    """Return a line per automatically marked task: count of results, mean, count of full marks."""
     scores: dict[str, list[float]] = {}
     points: dict[str, float] = {}
     for result in results:

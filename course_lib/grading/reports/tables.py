@@ -1,4 +1,4 @@
-"""Tables of all results: gradebook.csv, the index with submissions to review, and the item analysis.
+"""Tables of all results: gradebook.csv, index with submissions to review, and item analysis.
 
 The item analysis shows the difficulty of each task and check, and whether it discriminates between
 students.

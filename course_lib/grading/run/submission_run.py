@@ -69,7 +69,7 @@ class ThreadTimes:
 
 
 class WaitingTime:
-    """The waiting time of a process's descendants, and of the thread that serves them, since `begin`.
+    """The waiting time of a process's descendants, and of the thread serving them, since `begin`.
 
     It is 0 on systems that do not measure it. `given` is the total extension of limits [s].
 
@@ -158,7 +158,7 @@ class WorkerProcess:
             raise WorkerError(f"a worker can't be put into the jail: {problem} {worker_output}")
 
     def allow(self, seconds: float) -> None:
-        """Set the time [s] within which the worker must answer, excluding waiting for a processor."""
+        """Set the time [s] in which the worker must answer, excluding waiting for a processor."""
         self.channel.deadline = wall.monotonic() + seconds
 
     def take_output(self) -> str:

@@ -322,7 +322,7 @@ class Reader:
         return bool(self.extras) and re.fullmatch(self.extras, "/".join(path), re.DOTALL) is not None
 
     def read(self, path: Components, zone: ZoneInfo) -> DownloadName | None:
-        """Return the owner and data of a path, or None if the platform does not create such paths."""
+        """Return the owner and data of a path, or None if the platform creates no such paths."""
         match = self.match(path)
         if match is None:
             return None
@@ -741,7 +741,7 @@ def _platform_time(text: str, zone: tzinfo) -> datetime | None:
 
 
 def fold_key(text: str) -> str:
-    """Return a name or login for comparison, regardless of case, spaces and Unicode normalization."""
+    """Return a name or login for comparison, ignoring case, spaces and Unicode normalization."""
     plain = unicodedata.normalize("NFKC", text).replace("\u2019", "'")
     return " ".join(unicodedata.normalize("NFKC", plain.casefold()).split())
 

@@ -421,7 +421,7 @@ def missing_file_lines(
 
 @dataclass(frozen=True)
 class Attempts:
-    """One student's submissions of one exercise: the last one, or all of them if the best one counts.
+    """One student's submissions of one exercise: the last one, or all if the best one counts.
 
     Args:
         student: The folder's name, or the ID in the files.
@@ -496,7 +496,7 @@ def _add_twins(submission: Submission, twin_names: Collection[str]) -> Submissio
 
 
 def _plan_job(submission: Submission, course: Course) -> tuple[Submission, Job | None]:
-    """Return a submission without its code, but with the key of its evidence, and the job to run."""
+    """Return a submission without its code but with the key of its evidence, and the job to run."""
     catalog = catalog_of(course)
     tasks = catalog.tasks_of_week(submission.exercise.split("_")[0])
     notebook, bare = submission.notebook, replace(submission, notebook=None, files={})

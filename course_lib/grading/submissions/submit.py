@@ -45,7 +45,7 @@ NO_ID = "It has no student ID: enter your ID (open {}) and submit again."
 
 @dataclass(frozen=True)
 class TaskState:
-    """The state of a task: an outcome for lists, and the text of a warning after the task's name."""
+    """A task's state: an outcome for lists, and the text of a warning after the task's name."""
 
     outcome: str
     text: str = ""

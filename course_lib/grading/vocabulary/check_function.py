@@ -170,7 +170,7 @@ def yaw_of(x: float, y: float, z: float, w: float) -> float:
 
 
 def format_number(value: float, unit: str = "") -> str:
-    """Format a number for people: two decimals, four for small values, few digits for large ones."""
+    """Format a number for people: two decimals, four if small, few digits if large."""
     if abs(value) >= LARGE and math.isfinite(value):
         return f"{value:.6g}{unit and ' ' + unit}"
     small = 5e-5 <= abs(value) < 0.1

@@ -606,7 +606,7 @@ def _repeated_marker_problems(evidence: Evidence, topic: str, kind: str | None) 
 def _reason_for_missing(
     evidence: Evidence, topic: str, kind: str | None, at: float | None
 ) -> tuple[str, str]:
-    """Return why a topic shows too few markers, as the end of a message and as a kind of mistake."""
+    """Return why a topic shows too few markers, as the end of a message and a kind of mistake."""
     now = evidence.seconds if at is None else at  # [s]
     marker_rows = [row for row in iter_markers(evidence, topic) if row[0] <= now]
     added_markers = [(seconds, marker) for seconds, marker in marker_rows if marker.action == ADD]

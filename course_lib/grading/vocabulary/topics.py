@@ -328,7 +328,7 @@ def expect_stamps(
 
 
 def _stamped_messages(evidence: Evidence, topic: str) -> list[tuple[float, Any]]:
-    """Return (time since the start [s], message or marker with a header), except markers that delete.
+    """Return (time since start [s], message or marker with a header), except markers that delete.
 
     Raises:
         Problem: No marker is added, or the type has no header.

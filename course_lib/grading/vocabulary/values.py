@@ -192,7 +192,7 @@ def _order_problem(
     tolerance: float,
     name: str,
 ) -> Problem | None:
-    """Return the problem of a list that has the expected numbers or strings in a different order."""
+    """Return the problem of a list with the expected numbers or strings in a different order."""
     if not {type(one) for one in (*value, *expected)} <= {int, float, str}:
         return None
     if not any(_is_different(*pair, tolerance) for pair in zip(value, expected, strict=True)):

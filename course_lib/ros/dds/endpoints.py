@@ -396,7 +396,7 @@ class Reader(OwnEndpoint[MatchedWriter]):
             self.on_data(sample._replace(data=partial.data()))
 
     def _free_memory(self, writer: MatchedWriter, size: int) -> None:
-        """Drop the oldest incomplete messages, of this writer first, so that memory stays bounded."""
+        """Drop the oldest incomplete messages, of this writer first, to keep memory bounded."""
         while len(writer.partial) >= MAX_PARTIAL:
             del writer.partial[min(writer.partial)]
             self.incomplete += 1

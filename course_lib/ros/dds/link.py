@@ -341,7 +341,7 @@ class DdsLink(Link):
         return self.is_open and self.participant.has_peers()
 
     def silent_seconds(self) -> float:
-        """Return for how long no participant of the robot has answered [s]; 0 if none is present."""
+        """Return how long no participant of the robot has answered [s]; 0 if none is present."""
         return self.participant.silent_seconds()
 
     def close(self) -> None:
@@ -349,7 +349,7 @@ class DdsLink(Link):
         self.participant.close()
 
     def next_action(self, seconds: float) -> Action:
-        """Return the next action of the queue; the calling thread itself receives while it waits."""
+        """Return the queue's next action; the calling thread itself receives while it waits."""
         deadline = wall.monotonic() + seconds
         while seconds > 0 and self.actions.empty() and self.participant.receive_for(seconds):
             seconds = deadline - wall.monotonic()

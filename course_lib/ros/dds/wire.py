@@ -103,7 +103,7 @@ class Submessage(NamedTuple):
 
 
 class RequestId(NamedTuple):
-    """The identity of a service request: GUID of the writer or reply reader, and sequence number."""
+    """The identity of a service request: GUID of writer or reply reader, and sequence number."""
 
     guid: bytes
     sequence: int
@@ -358,7 +358,7 @@ def describe(endpoint: Endpoint, participant: bytes, here: Locator) -> bytes:
 
 
 def disposal(pid: int, guid: bytes) -> tuple[bytes, bytes]:
-    """Return the payload and inline QoS of the message that removes an endpoint or a participant."""
+    """Return the payload and inline QoS of the message that removes an endpoint or participant."""
     inline_qos = parameter_list((Pid.KEY_HASH, guid), (Pid.STATUS, DISPOSED))
     return PL_CDR_LE + parameter_list((pid, guid)), inline_qos
 

@@ -299,11 +299,11 @@ class Graph:
         return bool(self._taps)
 
     def link_report(self) -> list[tuple[str, object]]:
-        """Return the state of the link to a robot as rows of `ros2 doctor`; empty without a link."""
+        """Return the state of the link to a robot as `ros2 doctor` rows; empty without a link."""
         return []
 
     def link_error(self) -> str:
-        """Return why nothing is received from the robot, or "" if the link works or there is none."""
+        """Return why nothing is received from the robot, or "" if the link works or is absent."""
         return ""
 
     def take_blocked_calls(self) -> list[str]:

@@ -1,4 +1,4 @@
-"""The publishers and subscriptions of a run, their QoS, and their matching by topic, type and QoS."""
+"""A run's publishers and subscriptions, their QoS, and their matching by topic, type and QoS."""
 
 import re
 import struct

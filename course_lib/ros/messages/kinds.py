@@ -40,7 +40,7 @@ def make_check(field: FieldDefinition, rule: str, fits: Fits) -> Check:
 
 
 def scalar_check(field: FieldDefinition, primitive: Primitive) -> Check:
-    """Return the check of a number, a bool, a string or a byte, which is a ``bytes`` of length 1."""
+    """Return the check of a number, bool, string or byte, which is a ``bytes`` of length 1."""
     python, max_length = primitive.python, field.string_bound
     if python is bytes:
         rule = "of type 'bytes' or 'ByteString' with length 1"

@@ -322,7 +322,7 @@ class _InterfaceTypesFinder(Loader):
 
 
 def _interface_folders(package: str, path: Sequence[str]) -> Iterator[Path]:
-    """Yield folders that may hold a package's interface files, with parents of its Python folder."""
+    """Yield possible folders of a package's interface files, with parents of its Python folder."""
     # Imported late because only programs with their own interface files need it.
     from course_lib.ros.programs.packages import MANIFEST, name_of
 

@@ -1,4 +1,4 @@
-"""Execution of launch files, with the name of its process before each line of output: `[talker-1] `.
+"""Execution of launch files, with the process name before each line of output: `[talker-1] `.
 
 Actions that cannot run here, such as a simulator, are skipped with one line in the log.
 

@@ -521,7 +521,7 @@ def _is_at_source_path(file: Path, place: Path) -> bool:
 
 @cache
 def _create_links(sources: Path, relocated: tuple[tuple[str, Path], ...]) -> Path:
-    """Create a folder of links to the sources, and to files and folders at their installed paths."""
+    """Create a folder of links to sources, and to files and folders at their installed paths."""
     folder = Path(tempfile.mkdtemp(prefix="share_"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     _link_all(sources, folder)

@@ -1,4 +1,4 @@
-"""Programs as processes: each has its own command line and exit code, in a thread of this process."""
+"""Programs as processes, each a thread of this process with its own command line and exit code."""
 
 import ast
 import contextvars

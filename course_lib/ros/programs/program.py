@@ -34,7 +34,7 @@ _real_seed = random.Random.seed
 
 @contextmanager
 def seeded(seed: int) -> Iterator[None]:
-    """Seed all random number generators that a program may use, and restore them after the block."""
+    """Seed all random generators that a program may use, and restore them after the block."""
     source = random.Random(seed)
     python_state, numpy_state = random.getstate(), np.random.get_state()
     random.seed(source.getrandbits(64))

@@ -121,5 +121,5 @@ def _place_of_error(path: Path, errors: str) -> str:
 
 
 def is_xacro(text: str) -> bool:
-    """Return whether a robot description contains elements of xacro, regardless of its file name."""
+    """Return whether a robot description contains xacro elements, regardless of its file name."""
     return "xmlns:xacro" in text and re.search(r"<xacro:|\$[{(]", text) is not None

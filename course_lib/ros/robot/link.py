@@ -233,7 +233,7 @@ class Link(ABC):
     def subscriber(
         self, topic: str, type_name: str, qos: Qos, latched_count: int, on_packet: OnPacket
     ) -> Declaration:
-        """Subscribe to a topic, and request the last `latched_count` messages of latched publishers.
+        """Subscribe to a topic and request the last `latched_count` messages of latched publishers.
 
         `on_packet` is called with each message in the link's threads.
         """

@@ -56,7 +56,7 @@ def second_driver_warning(topic: str, node: str) -> str:
 
 
 def clock_warning(skew: float) -> str:
-    """Return a message if the robot's clock is `skew` [s] ahead of this computer's clock, else ""."""
+    """Return a message if the robot's clock is `skew` [s] ahead of this computer's, else ""."""
     if abs(skew) < MAX_SKEW:
         return ""
     days = abs(skew) / SECONDS_PER_DAY

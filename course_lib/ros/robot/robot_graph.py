@@ -104,7 +104,7 @@ class Traffic:
 
     @property
     def lag_ns(self) -> int | None:
-        """The shortest time from publication to reception [ns]: transport time plus clock offset."""
+        """The shortest time from publication to reception [ns]: transport plus clock offset."""
         return min(tuple(self._lags), default=None)
 
     def rates(self) -> tuple[float, float]:

@@ -276,7 +276,7 @@ class TimeLock:
             me.handlers = {}
 
     def handlers(self) -> dict[int, Any] | None:
-        """Return the signal handlers of the calling thread, if it is the main thread of a program."""
+        """Return the signal handlers of the calling thread, if it is a program's main thread."""
         me = self._threads.get(_thread.get_ident())
         return None if me is None or me.at_end is not AtEnd.INTERRUPT else me.handlers
 

@@ -78,7 +78,7 @@ class Login:
         return namespace + topic
 
     def presence_key(self, zid: str) -> str:
-        """Return the key of the token that makes this user known to a gateway; "" without a login."""
+        """Return the key of the token that announces this user to a gateway; "" without a login."""
         return f"{PRESENCE}/{self.name}/{zid}" if self.name else ""
 
 
@@ -86,7 +86,7 @@ NO_LOGIN = Login()
 
 
 def gateway_key(driver: str, topics: Iterable[str]) -> str:
-    """Return the key of the token with the driver and the topics that are forwarded to the robot."""
+    """Return the key of the token with the driver and the topics forwarded to the robot."""
     return f"{GATEWAY}/{driver or NONE}/{','.join(topics).replace('/', '%') or NONE}"
 
 
@@ -672,7 +672,7 @@ class ZenohLink(Link):
     def subscriber(
         self, topic: str, type_name: str, qos: Qos, latched_count: int, on_packet: OnPacket
     ) -> Declaration:
-        """Subscribe to a topic, and request the last `latched_count` messages of latched publishers."""
+        """Subscribe to a topic and request the last `latched_count` messages of latched publishers."""
         settings: Mapping[str, Any] = {}
         if latched_count:
             settings = {

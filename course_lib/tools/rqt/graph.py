@@ -255,7 +255,7 @@ class GraphView(RqtView):
 
 
 def _mismatch(publisher: EndpointInfo, subscription: EndpointInfo) -> bool:
-    """Return whether two endpoints are on the same topic but their QoS policies are incompatible."""
+    """Return whether two endpoints are on the same topic but with incompatible QoS policies."""
     same = publisher.topic == subscription.topic
     return same and bool(find_incompatible_policy(publisher.qos, subscription.qos))
 

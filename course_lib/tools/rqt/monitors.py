@@ -199,7 +199,7 @@ _LEVELS = ("ok", "warn", "error", "stale")
 
 
 class RobotMonitorView(RqtView):
-    """The tree of diagnostics with the worst level of each branch, and the details of one status."""
+    """The diagnostics tree with the worst level of each branch, and the details of one status."""
 
     name, title, listens = "robot_monitor", "Robot Monitor", True
 

@@ -1,4 +1,4 @@
-"""A simulated class over a term: records as `course grade` leaves them, without running any code."""
+"""A simulated class over a term: records as `course grade` leaves them, without running code."""
 
 import random
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""The real rclpy and the kit on two computers: network namespaces that are joined by a veth pair."""
+"""The real rclpy and the kit on two computers: network namespaces joined by a veth pair."""
 
 import os
 import random

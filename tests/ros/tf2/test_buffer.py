@@ -23,7 +23,7 @@ S = 10**9  # [ns]
 
 
 def filled() -> Buffer:
-    """map -> base is 1 m at 1 s, 3 m at 3 s; base -> tool is static, 0.5 m, turned by 90 degrees."""
+    """map -> base is 1 m at 1 s, 3 m at 3 s; base -> tool is static, 0.5 m, turned 90 degrees."""
     buffer = Buffer()
     for second in (1, 3):
         buffer.set_transform(stamped("map", "base", second * S, x=float(second)), "me")

@@ -292,7 +292,7 @@ class CvBridge:
         return message
 
     def cv2_to_compressed_imgmsg(self, cvim: Pixels, dst_format: str = "jpg") -> CompressedImage:
-        """Compress pixels (gray, BGR or BGRA) into a message, in a file format such as jpg or png."""
+        """Compress pixels (gray, BGR or BGRA) into a message, in a format such as jpg or png."""
         from PIL import Image as Picture
 
         _type_of(cvim)

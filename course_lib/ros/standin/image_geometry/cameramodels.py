@@ -19,7 +19,7 @@ _STEPS = 5
 
 
 def undistorted(x: float, y: float, coefficients: Sequence[float]) -> tuple[float, float]:
-    """Return the undistorted coordinates of a point in normalized image coordinates (focal length 1).
+    """Return the undistorted position of a point in normalized image coordinates (focal length 1).
 
     Raises:
         ValueError: The model does not have this number of coefficients.
@@ -140,7 +140,7 @@ class PinholeCameraModel:
         return np.array([u / w, v / w])
 
     def project3dToPixel(self, point: Sequence[float]) -> tuple[float, float]:
-        """Return the pixel (u, v) of a point (x, y, z) in the camera's frame; NaN if it has none."""
+        """Return the pixel (u, v) of a point (x, y, z) in the camera frame; NaN if it has none."""
         u, v, w = (self.P * np.array([[point[0]], [point[1]], [point[2]], [1.0]])).A1
         return (u / w, v / w) if w != 0 else (math.nan, math.nan)
 

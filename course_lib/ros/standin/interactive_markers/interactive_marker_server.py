@@ -188,7 +188,7 @@ class InteractiveMarkerServer:
         self.publish(message)
 
     def get(self, name: str) -> InteractiveMarker | None:
-        """Return a marker as it will be after `applyChanges`; None if there is none of that name."""
+        """Return a marker as it will be after `applyChanges`; None if none has that name."""
         update, stored = self.pending_updates.get(name), self.marker_contexts.get(name)
         if update and update.update_type == UpdateContext.FULL_UPDATE:
             return update.int_marker

@@ -31,7 +31,7 @@ class UnlessCondition(Condition):
 
 
 class LaunchConfigurationEquals(Condition):
-    """True if a launch configuration has the expected value, or is not set if that value is None."""
+    """True if a launch configuration has the expected value, or is unset if that value is None."""
 
     def __init__(
         self,

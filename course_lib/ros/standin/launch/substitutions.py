@@ -180,7 +180,7 @@ class LaunchLogDir(Substitution):
 
 
 class LocalSubstitution(Substitution):
-    """An attribute of the context's `locals`, for example `event.returncode` in an event handler."""
+    """An attribute of the context's `locals`, such as `event.returncode` in an event handler."""
 
     def __init__(self, expression: str, description: str | None = None) -> None:
         super().__init__(lambda context: str(attrgetter(expression)(context.locals)))

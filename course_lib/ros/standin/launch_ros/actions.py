@@ -186,7 +186,7 @@ class _NodeSettings:
     remappings: tuple[tuple[Some, Some], ...]
 
     def words(self, context: LaunchContext) -> Iterator[str]:
-        """Yield the arguments after --ros-args, including the settings for all nodes of the group."""
+        """Yield the arguments after --ros-args, including settings for all nodes of the group."""
         if self.name is not None:
             yield from ("-r", f"__node:={text_of(context, self.name)}")
         settings, namespace = context.launch_configurations, self.full_namespace(context)
@@ -307,7 +307,7 @@ class LifecycleNode(Node):
 
 
 class LifecycleEventManager:
-    """Emits the transitions of a lifecycle node, and requests the transitions of ChangeState events.
+    """Emits the transitions of a lifecycle node, and requests those of ChangeState events.
 
     Args:
         lifecycle_node: The action or the description of the node, whose `node_name` is its full name.

@@ -91,7 +91,7 @@ def evaluated(context: LaunchContext, value: Any, name: str = "") -> Any:
 
 
 def check_values(parameters: Iterable[Any] | None) -> None:
-    """Raise launch_ros's TypeError for a value that no parameter can have, such as None or a Path."""
+    """Raise launch_ros's TypeError for an invalid parameter value, such as None or a Path."""
     for entry in parameters or ():
         values = list(entry.items()) if isinstance(entry, Mapping) else []
         for name, value in values:

@@ -119,7 +119,7 @@ class JumpHandle(AbstractContextManager["JumpHandle"]):
 
 
 class ClockHandle:
-    """The state of a clock: the override of ROS time and its jump callbacks (rcl/src/rcl/time.c)."""
+    """A clock's state: the override of ROS time and its jump callbacks (rcl/src/rcl/time.c)."""
 
     def __init__(self) -> None:
         self.is_overridden = False
@@ -210,7 +210,7 @@ class Clock:
         pre_callback: Callable[[], object] | None = None,
         post_callback: Callable[[TimeJump], object] | None = None,
     ) -> JumpHandle:
-        """Register callbacks for jumps that exceed a threshold, until the handle is unregistered."""
+        """Register callbacks for jumps beyond a threshold, until the handle is unregistered."""
         # As in rclpy, an object that cannot be called counts as no `post_callback`.
         after = post_callback if callable(post_callback) else None
         return JumpHandle(clock=self, threshold=threshold, pre_callback=pre_callback, post_callback=after)

@@ -804,7 +804,7 @@ class Node:
         return [self.get_parameter(name) for name in names]
 
     def get_parameters_by_prefix(self, prefix: str) -> dict[str, Parameter]:
-        """Return the parameters whose names begin with `prefix.`, by the remainder of their names."""
+        """Return the parameters whose names begin with `prefix.`, by the rest of their names."""
         start = f"{prefix}." if prefix else ""
         values = self.__parameter_store.values
         return {name[len(start) :]: value for name, value in values.items() if name.startswith(start)}

@@ -14,7 +14,7 @@ from rclpy.time import Time
 
 
 class ServiceIntrospectionState(IntEnum):
-    """The content of service events: no events, events without messages, or events with messages."""
+    """The content of service events: no events, or events without or with messages."""
 
     OFF = 0
     METADATA = 1

@@ -20,7 +20,7 @@ def vector3_to_numpy(msg: Vector3, hom: bool = False) -> Floats:
 
 @converts_from_numpy(Vector3)
 def numpy_to_vector3(arr: Any) -> Any:
-    """Convert 3 or 4 numbers to a vector, or an array with more axes to a nested list of vectors."""
+    """Convert 3 or 4 numbers to a vector, or an array with more axes to nested lists of vectors."""
     return _of_last_axis(Vector3, arr, homogeneous=0.0)
 
 

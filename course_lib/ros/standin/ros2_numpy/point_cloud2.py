@@ -143,7 +143,7 @@ def split_rgb_field(cloud_arr: Any) -> NDArray[Any]:
 
 
 def merge_rgb_fields(cloud_arr: Any) -> NDArray[Any]:
-    """Return a copy in which the field rgb, packed into a float32, replaces the fields r, g and b."""
+    """Return a copy whose field rgb, packed into a float32, replaces the fields r, g and b."""
     names = [name for name in cloud_arr.dtype.names if name not in ("r", "g", "b")]
     merged: Any = np.zeros(
         cloud_arr.shape, dtype=[(name, cloud_arr.dtype[name]) for name in names] + [("rgb", np.float32)]

@@ -1,4 +1,4 @@
-"""Rotations and transforms as matrices and quaternions, based on transforms3d as the ROS package is.
+"""Rotations and transforms as matrices and quaternions, based on transforms3d like the ROS package.
 
 Quaternions are (x, y, z, w), angles in [rad]. `axes` names an Euler sequence: s or r for static or
 rotating axes, followed by their order. The default sxyz means roll, pitch, yaw.

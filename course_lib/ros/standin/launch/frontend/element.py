@@ -322,7 +322,7 @@ def pairs(first: str, second: str) -> Reader:
 
 
 def launch_arguments(entity: Entity, name: str) -> list[Any] | None:
-    """Read the arguments of an included file: `let` elements, or `arg` elements as in older files."""
+    """Read an included file's arguments: `let` elements, or `arg` elements as in older files."""
     argument_pairs = [pair for tag in ("arg", "let") for pair in pairs("name", "value")(entity, tag) or ()]
     return argument_pairs or None
 

@@ -86,7 +86,7 @@ class Endpoint:
 
 
 def _on_remote_endpoint(graph: Graph, remote: EndpointInfo, has_joined: bool) -> None:
-    """Report a remote endpoint that has joined or is about to leave to the events of its partners."""
+    """Report to the partners' events that a remote endpoint has joined or is about to leave."""
     change = 1 if has_joined else -1
     for info in graph.endpoints_on(remote.topic):
         if info.kind == "sub" and remote.kind == "pub":

@@ -155,7 +155,7 @@ _noticed: set[tuple[str, str]] = set()
 
 
 def notice(base: str, class_name: str, name: str, use: str, place: str) -> None:
-    """Print a hint, once per class and name, that a subclass of rclpy's `base` breaks on a robot."""
+    """Print a hint once per class and name: a subclass of rclpy's `base` breaks on a robot."""
     if (class_name, name) not in _noticed:
         _noticed.add((class_name, name))
         where = f" ({place})" if place else ""

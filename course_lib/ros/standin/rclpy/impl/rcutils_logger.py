@@ -116,7 +116,7 @@ supported_filters: dict[str, type[LoggingFilter]] = {
 
 
 def get_filters_from_kwargs(**kwargs: Any) -> list[str]:
-    """Return the names of the filters that a call's options select, in the order of their evaluation.
+    """Return the names of the filters that a call's options select, in order of evaluation.
 
     Raise a TypeError if a required option is missing, or an option is unknown.
     """
@@ -152,7 +152,7 @@ class CallSite:
     context: dict[str, Any] = field(default_factory=dict)
 
     def passes_filters(self, options: dict[str, Any]) -> bool:
-        """Return whether a call passes the filters, which are evaluated in the order of the options.
+        """Return whether a call passes the filters, evaluated in the order of the options.
 
         Raise a ValueError if its options have changed.
         """
