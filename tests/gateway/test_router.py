@@ -253,7 +253,7 @@ def test_students_connect_only_by_tls_if_a_certificate_is_set(
         (("--send", "cmd_vel"), "--send cmd_vel: expected a full ROS name"),
         (("--listen", "tls/127.0.0.1:1"), "use a certificate with tls"),
         (("--certificate", "cert.pem"), "TLS needs two files"),
-        (("--driver", "zed"), "zed: no such student"),
+        (("--driver", "zed"), "--driver zed: this folder has no class"),
         (("--listen", "tcp/203.0.113.1:7448"), "can't listen at tcp/203.0.113.1:7448"),
         (("--students", "missing.csv"), "missing.csv can't be read"),
     ],
