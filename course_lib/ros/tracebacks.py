@@ -1,5 +1,6 @@
 """Tracebacks without the kit's frames, and the line of the student's code that runs or failed."""
 
+import ast
 import contextlib
 import importlib
 import linecache
@@ -124,6 +125,31 @@ def _shorten(trace: TracebackException) -> None:
 def line_of_traceback(trace: TracebackType | None) -> str:
     """Return the innermost line of the student's code: "cell In[3], line 2: 1 / 0", or ""."""
     return _innermost_own_line((frame.f_code.co_filename, line) for frame, line in walk_tb(trace))
+
+
+def loop_of_traceback(trace: TracebackType | None) -> str:
+    """Return the line of the loop that the student's code was executing, else the innermost line, or "".
+
+    The line at which an endless loop is interrupted is a matter of chance. A `while` loop is preferred
+    to a `for` loop, which rarely is the endless one, and an inner loop to an outer one.
+    """
+    while_loops: list[tuple[str, int]] = []
+    for_loops: list[tuple[str, int]] = []
+    for frame, line in walk_tb(trace):
+        code = frame.f_code
+        if not is_own(code.co_filename):
+            continue
+        # A file that changed in the meantime may not be Python.
+        with contextlib.suppress(SyntaxError):
+            tree = ast.parse("".join(linecache.getlines(code.co_filename)))
+            # Inner loops come after outer ones.
+            for node in ast.walk(tree):
+                if isinstance(node, ast.While | ast.For):
+                    is_running = code.co_firstlineno <= node.lineno <= line <= (node.end_lineno or line)
+                    loops = while_loops if isinstance(node, ast.While) else for_loops
+                    loops += [(code.co_filename, node.lineno)] * is_running
+    places = while_loops or for_loops
+    return format_location(*places[-1]) if places else line_of_traceback(trace)
 
 
 def line_of_thread(ident: int) -> str:

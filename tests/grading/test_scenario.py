@@ -181,6 +181,21 @@ def test_endless_loop_is_interrupted_and_the_next_run_succeeds(subject: Callable
     assert run(lambda: 3, "function", calls=(Call(),)).returns == (3,)
 
 
+def loop_around_a_call() -> None:
+    while re.compile("a"):
+        for number in range(10):
+            increase(number)
+
+
+def increase(number: int) -> int:
+    return number + 1
+
+
+def test_endless_loop_around_a_call_is_named_by_its_own_line() -> None:
+    (message,) = run(loop_around_a_call, wall_limit=0.2).errors
+    assert 'while re.compile("a"):' in message
+
+
 def test_endless_loop_is_interrupted_under_nohup() -> None:
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:

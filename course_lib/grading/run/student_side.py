@@ -28,7 +28,7 @@ from course_lib.ros.programs import import_path
 from course_lib.ros.programs.program import seeded
 from course_lib.ros.time import virtual_time
 from course_lib.ros.time.time_lock import AtEnd, ShutDown, StoppedThread, time_lock
-from course_lib.ros.tracebacks import line_of_thread, line_of_traceback
+from course_lib.ros.tracebacks import line_of_thread, loop_of_traceback
 
 # a single call without arguments, the default of launch tasks
 ONE_CALL: Sequence[tuple[Sequence[Any], dict[str, Any]]] = (((), {}),)
@@ -222,6 +222,6 @@ def run_in_this_process(
             if not dog.has_fired:
                 raise
             stopped = "time"
-            line = line_of_traceback(interrupt.__traceback__) or dog.line
+            line = loop_of_traceback(interrupt.__traceback__) or dog.line
             outcome.errors.append(still_running_message(wall_limit, line))
     return stage.evidence(outcome, output=output.getvalue(), stopped=stopped)
