@@ -152,6 +152,16 @@ def test_unreadable_xacro_file_is_an_error_without_a_traceback(file: str, tmp_pa
         load_robot(tmp_path / file)
 
 
+def test_program_that_expands_a_missing_xacro_file_gets_the_error_of_xacro(tmp_path: Path) -> None:
+    (tmp_path / "program.py").write_text("import rclpy\nimport xacro\nxacro.process_file('missing.xacro')\n")
+    process = subprocess.run(
+        [sys.executable, "-m", "course_lib", "run", "program.py"],
+        cwd=tmp_path, capture_output=True, text=True,
+        timeout=PATIENCE,
+    )  # fmt: skip
+    assert "XacroException: No such file or directory: ./missing.xacro" in process.stdout + process.stderr
+
+
 def test_invalid_xacro_file_is_one_error(arm: Path) -> None:
     arm.write_text(ARM.replace("xacro:bar", "xacro:beam"))
     with pytest.raises(

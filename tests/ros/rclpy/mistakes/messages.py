@@ -139,6 +139,12 @@ MESSAGES = [
         "save the layout there first: `viewer.save_rviz('a_name.rviz')`, or Ctrl+S.",
     ),
     (
+        "import subprocess\nsubprocess.run(['ros2', 'topic', 'list'])",
+        "FileNotFoundError: [Errno 2] No such file or directory: 'ros2'",
+        "the kit has no program ros2. In a notebook write `%ros2 topic list`, in a terminal: "
+        "course ros2 topic list.",
+    ),
+    (
         "PoseStamped().header.stamp = node.get_clock().now()",
         "AssertionError: The 'stamp' field must be a sub message of type 'Time'",
         "write `self.get_clock().now().to_msg()`, where self is the node.",
