@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from course_lib.errors import join_words
-from course_lib.ros import near_names
+from course_lib.ros import import_hints, near_names
 from course_lib.ros.messages.definitions import definition, type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
 from course_lib.ros.programs.packages import unavailable_reason
@@ -170,7 +170,7 @@ def hint(error: BaseException) -> str:
     ):
         return found
     if isinstance(error, ModuleNotFoundError):
-        found = unavailable_reason((error.name or "").split(".")[0]) or near_names.module_hint(error)
+        found = unavailable_reason((error.name or "").split(".")[0]) or import_hints.module_hint(error)
         if found:
             return found
     if (
@@ -208,7 +208,7 @@ def hint(error: BaseException) -> str:
         package, kind = interface_package
         return f"put the folder {package} with its {kind} beside the program, or into the workspace's src."
     if isinstance(error, ImportError):
-        return near_names.import_hint(error)
+        return import_hints.import_hint(error)
     is_of_message = not isinstance(error, AttributeError) or _is_message(error.obj)
     if is_of_message and (types := _types_of(error, text)):
         return _field_hint(types, text.rpartition("attribute '")[2].partition("'")[0])
@@ -295,7 +295,7 @@ def _rclpy_attribute_hint(error: BaseException) -> str:
     thing, name = error.obj, error.name
     if isinstance(thing, ModuleType):
         owners = [thing.__name__]
-        if line := near_names.import_from(thing.__name__, name):
+        if line := import_hints.import_from(thing.__name__, name):
             return f"import it: `{line}`."
     else:
         kinds = type.mro(thing) if isinstance(thing, type) else type(thing).__mro__

@@ -26,14 +26,13 @@ from typing import Any
 
 from course_lib.errors import format_count, join_words
 from course_lib.ros.messages.definitions import definition, type_names
-from course_lib.ros.programs.packages import clone_instructions
 
 # Folder of the kit. A class defined in it, in Python or in a library is not from a student.
 _KIT_FOLDER = str(Path(__file__).resolve().parent.parent)
 
 # Names other than messages that ROS programs import. In a launch file, its own names take
 # precedence.
-_IMPORTS = {
+IMPORTS = {
     "Node": "from rclpy.node import Node",
     "rclpy": "import rclpy",
     "Duration": "from rclpy.duration import Duration",
@@ -67,7 +66,7 @@ _IMPORTS = {
     "numpy": "import numpy",
     "Path": "from pathlib import Path",
 }
-_LAUNCH_IMPORTS = {
+LAUNCH_IMPORTS = {
     "Node": "from launch_ros.actions import Node",
     "LaunchDescription": "from launch import LaunchDescription",
     "DeclareLaunchArgument": "from launch.actions import DeclareLaunchArgument",
@@ -99,7 +98,7 @@ _NAMES_OF_LAUNCH = {
     "launch_ros.parameter_descriptions": ("ParameterFile", "ParameterValue"),
     "ament_index_python.packages": ("get_package_share_directory", "get_package_share_path"),
 }
-_IN_LAUNCH_FILES = _LAUNCH_IMPORTS | {
+IN_LAUNCH_FILES = LAUNCH_IMPORTS | {
     name: f"from {module} import {name}" for module, names in _NAMES_OF_LAUNCH.items() for name in names
 }
 _KIT = ("course_lib", "course_lib.robots", "course_lib.displays", "course_lib.sensors")
@@ -150,64 +149,7 @@ _SYNONYMS = {
 _ANGLES = ("yaw", "roll", "pitch", "angle", "heading", "theta")
 _HEAP_TYPE = 1 << 9  # Python's flag of classes that are not static in C
 # Packages whose messages are meant if others have some of the same name, the likeliest one first.
-_COMMON = ("std_msgs", "geometry_msgs", "visualization_msgs", "sensor_msgs", "nav_msgs", "builtin_interfaces")
-# Modules that ROS programs often use, by their names on PyPI.
-_FROM_PIP = {
-    "cv2": "opencv-python-headless",
-    "cvxpy": "cvxpy",
-    "dotenv": "python-dotenv",
-    "fastapi": "fastapi",
-    "flask": "flask",
-    "gymnasium": "gymnasium",
-    "imutils": "imutils",
-    "inputs": "inputs",
-    "junit_xml": "junit-xml",
-    "keras": "keras",
-    "langchain": "langchain",
-    "mediapipe": "mediapipe",
-    "networkx": "networkx",
-    "ntplib": "ntplib",
-    "numba": "numba",
-    "open3d": "open3d",
-    "openai": "openai",
-    "osrf_pycommon": "osrf-pycommon",
-    "paho": "paho-mqtt",
-    "pandas": "pandas",
-    "PIL": "pillow",
-    "py_trees": "py-trees",
-    "pyaudio": "pyaudio",
-    "pygame": "pygame",
-    "pymap3d": "pymap3d",
-    "pynput": "pynput",
-    "requests": "requests",
-    "scipy": "scipy",
-    "serial": "pyserial",
-    "shapely": "shapely",
-    "simple_pid": "simple-pid",
-    "skimage": "scikit-image",
-    "sklearn": "scikit-learn",
-    "smbus2": "smbus2",
-    "tensorflow": "tensorflow",
-    "torch": "torch",
-    "transforms3d": "transforms3d",
-    "ultralytics": "ultralytics",
-    "websockets": "websockets",
-}
-# Modules for the pins, buses and cameras of the computer on a robot.
-_ON_A_ROBOT = {
-    *(
-        "RPi",
-        "adafruit_servokit",
-        "board",
-        "busio",
-        "digitalio",
-        "gpiozero",
-        "lgpio",
-        "picamera",
-        "picamera2",
-    ),
-    *("pigpio", "smbus", "spidev"),
-}
+COMMON = ("std_msgs", "geometry_msgs", "visualization_msgs", "sensor_msgs", "nav_msgs", "builtin_interfaces")
 # Words of other languages, with the names for them in Python.
 _OTHER_LANGUAGES = {
     **dict.fromkeys(("null", "nullptr", "NULL", "Null", "nil", "undefined"), "None"),
@@ -220,7 +162,7 @@ _OTHER_LANGUAGES = {
 }
 _ENDS = {"end", "endif", "endfor", "endwhile", "endfunction", "fi", "done"}
 # Modules of ROS 1, with their replacements in ROS 2.
-_ROS_1 = {
+ROS_1 = {
     "rospy": "its library for Python is `import rclpy`",
     "roslib": "its library for Python is `import rclpy`",
     "roscpp": "its library for Python is `import rclpy`",
@@ -243,7 +185,7 @@ def likeliest_first(types: Iterable[str]) -> list[str]:
 
     def rank(name: str) -> int:
         package = name.partition("/")[0]
-        return _COMMON.index(package) if package in _COMMON else len(_COMMON)
+        return COMMON.index(package) if package in COMMON else len(COMMON)
 
     return sorted(types, key=rank)
 
@@ -279,7 +221,7 @@ def name_hint(error: NameError) -> str:
     if match is None or frame is None:
         return ""
     missing = match[1]
-    owner = _attributes(frame.f_locals.get("self"))
+    owner = public_attributes(frame.f_locals.get("self"))
     if missing in owner and not (isinstance(error, UnboundLocalError) and _is_set_before(error, missing)):
         return f"did you mean `self.{missing}`?"
     if isinstance(error, UnboundLocalError):
@@ -296,21 +238,21 @@ def name_hint(error: NameError) -> str:
         return f"give {missing} a value before this line, on every way that leads here."
     # One letter too many, like Points, is more likely than a class of the kit that no cell imports.
     singular = missing.removesuffix("s")
-    if singular != missing and singular in frame.f_globals and missing not in _IMPORTS:
+    if singular != missing and singular in frame.f_globals and missing not in IMPORTS:
         return f"did you mean `{singular}`?"
     if re.fullmatch(r"week\d\d", missing):
         return 'the name of a task is in quotes, as in check("week01.red_cube", RedCubeNode).'
     importable = _importable(frame)
-    if missing in _ROS_1:
-        return f"there is no {missing} in ROS 2: {_ROS_1[missing]}."
+    if missing in ROS_1:
+        return f"there is no {missing} in ROS 2: {ROS_1[missing]}."
     if missing in _ENDS and line_of_student(error).strip().rstrip(";") == missing:
         return f"a block ends where its lines are no longer indented: delete {missing}."
     if inner := _function_that_sets(missing, frame.f_code):
         return f"{missing} is set in the function {inner}, and exists only there: return it from {inner}."
     if missing in importable:
         return f"import it: `{importable[missing]}`; in a notebook run the first cells again."
-    if missing in _interfaces() or (missing in _packages() and "_" in missing):
-        module = f"{missing}.{next(iter(_interfaces()[missing]))}" if missing in _interfaces() else missing
+    if missing in interfaces() or (missing in known_packages() and "_" in missing):
+        module = f"{missing}.{next(iter(interfaces()[missing]))}" if missing in interfaces() else missing
         return f"import it: `import {module}`; in a notebook run the first cells again."
     return _similar_name(error, missing, frame, owner, importable)
 
@@ -469,7 +411,7 @@ def attribute_hint(error: AttributeError) -> str:
     """Return a question with the attribute closest to a missing one, or ""."""
     if error.name is None or error.obj is None:
         return ""
-    if isinstance(error.obj, ModuleType) and (found := _hiding_file_hint(error.obj.__name__)):
+    if isinstance(error.obj, ModuleType) and (found := hiding_file_hint(error.obj.__name__)):
         return found
     frame = frame_of(error)
     if isinstance(error.obj, ModuleType) and (found := _module_attribute_hint(error.obj, error.name, frame)):
@@ -489,10 +431,10 @@ def attribute_hint(error: AttributeError) -> str:
             *getattr(error.obj, "__dict__", ()),
             *(name for one in own_classes for name in vars(one)),
         ]
-        methods = [name for name in _attributes(cls) if callable(getattr(cls, name, None))]
+        methods = [name for name in public_attributes(cls) if callable(getattr(cls, name, None))]
         names = [name for name in [*attributes, *methods] if not name.startswith("_")]
     else:
-        names = _attributes(error.obj)
+        names = public_attributes(error.obj)
     similar = nearest(error.name, names)
     if own_classes:
         # `self.publish` resembles `publisher` more than the name that is probably meant.
@@ -510,8 +452,8 @@ def attribute_hint(error: AttributeError) -> str:
         if not similar and own_names and in_init and hasattr(cls, "create_timer"):
             known = join_words(own_names[:6])
             return f"{cls.__name__} has {known}. Which of them do you mean, or is one missing?"
-    if not similar and isinstance(error.obj, ModuleType) and error.obj.__name__ in _interfaces():
-        similar = nearest(error.name, _interfaces()[error.obj.__name__], 0.6)
+    if not similar and isinstance(error.obj, ModuleType) and error.obj.__name__ in interfaces():
+        similar = nearest(error.name, interfaces()[error.obj.__name__], 0.6)
     longer = [name for name in names if name.startswith(f"{error.name}_")]
     if own_classes and not longer and len(error.name) > 2:
         # An abbreviation of one of the student's own names: `self.pub` for `self.publisher`.
@@ -527,7 +469,7 @@ def attribute_hint(error: AttributeError) -> str:
 def _module_attribute_hint(module: ModuleType, name: str, frame: FrameType | None) -> str:
     """Return the hint for a name that is in a module of a package and not in the package, or ""."""
     package = module.__name__
-    line = _import_of_interface(name, package) if package in _interfaces() else ""
+    line = import_of_interface(name, package) if package in interfaces() else ""
     if line.startswith(f"from {package}."):
         return f"write `{line}`."
     if "." in package or not hasattr(module, "__path__"):
@@ -720,7 +662,7 @@ def _is_from_student(file: str) -> bool:
     return not file.startswith((_KIT_FOLDER, *sysconfig.get_paths().values()))
 
 
-def _hiding_file_hint(name: str) -> str:
+def hiding_file_hint(name: str) -> str:
     """Return the hint for an imported file or folder that has the name of a library's module, or ""."""
     file = getattr(sys.modules.get(name), "__file__", None)
     if file is None or "." in name or not _is_from_student(file):
@@ -736,47 +678,8 @@ def _hiding_file_hint(name: str) -> str:
     return f"your {place.name} hides the module {name} of Python or of a library: rename it."
 
 
-def module_hint(error: ModuleNotFoundError) -> str:
-    """Return the hint for a module that is misspelled or belongs to ROS 1, or ""."""
-    package, _, inner = (error.name or "").partition(".")
-    if inner and (found := _hiding_file_hint(package)):
-        return found
-    if inner and (found := _interface_module_hint(package, inner, _imported_name(error))):
-        return found
-    if package in _FROM_PIP:
-        return f"it is not part of ROS 2 for Python: pip install {_FROM_PIP[package]}"
-    if package in _ON_A_ROBOT:
-        return (
-            f"{package} drives devices of the robot's own computer: run this program there. Here a "
-            "node of your own can publish the same messages."
-        )
-    if package in _ROS_1:
-        return f"there is no module {package} in ROS 2: {_ROS_1[package]}."
-    if found := clone_instructions(package):
-        return f"{found}."
-    kind, imported = inner.partition(".")[0], _imported_name(error)
-    if kind in ("msg", "srv", "action") and (line := _import_of_interface(imported, package)):
-        return f"it is elsewhere: `{line}`."
-    if Path(f"{package}.ipynb").exists():
-        return f"{package} is a notebook, and Python imports files ending in .py: copy the cell to here."
-    if inner and package in sys.modules:
-        holder, _, last = (error.name or "").rpartition(".")
-        # As in Java, where `import rclpy.node.Node` imports a class.
-        if hasattr(sys.modules.get(holder), last):
-            return f"{last} is not a module: `from {holder} import {last}`."
-        folders = map(Path, getattr(sys.modules.get(holder), "__path__", ()))
-        submodules = [p.stem for folder in folders for p in folder.iterdir() if p.suffix in ("", ".py")]
-        similar = nearest(last, submodules)
-        return f"did you mean `import {holder}.{similar}`?" if similar else ""
-    # A package like my_msgs is more likely a student's own than a misspelled
-    # one. The standard library has hundreds of short names.
-    cutoff = 0.85 if package.endswith(("_msgs", "_srvs", "_interfaces")) else 0.8
-    similar = nearest(package, _packages(), cutoff) or nearest(package, sys.stdlib_module_names, 0.85)
-    return f"did you mean {similar}?" if similar else ""
-
-
 @cache
-def _interfaces() -> Mapping[str, Mapping[str, Sequence[str]]]:
+def interfaces() -> Mapping[str, Mapping[str, Sequence[str]]]:
     """Return the names of interfaces by package and kind: ["std_srvs"]["srv"] has "Trigger"."""
     names_by_package: dict[str, dict[str, list[str]]] = {}
     for type_name in type_names():
@@ -789,107 +692,11 @@ def _interfaces() -> Mapping[str, Mapping[str, Sequence[str]]]:
     return names_by_package
 
 
-def _import_of_interface(name: str, package: str) -> str:
+def import_of_interface(name: str, package: str) -> str:
     """Return the import of an interface with exactly this name, preferably from a given package, or ""."""
-    places = [(p, kind) for p, kinds in _interfaces().items() for kind in kinds if name in kinds[kind]]
-    places.sort(key=lambda place: (place[0] != package, place[0] not in _COMMON))
+    places = [(p, kind) for p, kinds in interfaces().items() for kind in kinds if name in kinds[kind]]
+    places.sort(key=lambda place: (place[0] != package, place[0] not in COMMON))
     return next((f"from {p}.{kind} import {name}" for p, kind in places), "")
-
-
-def _interface_module_hint(package: str, inner: str, name_in_import: str) -> str:
-    """Return the hint for a module that a package of interfaces does not have, or "".
-
-    Args:
-        package: The package.
-        inner: The rest of the module's name, "mgs" or "msg.String".
-        name_in_import: The name that was to be imported from the module, or "".
-    """
-    kinds = _interfaces().get(package)
-    if kinds is None:
-        return ""
-    kind, _, name = inner.partition(".")
-    if name and kind in kinds:
-        similar = name if name in kinds[kind] else nearest(name, kinds[kind])
-        return f"write `from {package}.{kind} import {similar}`." if similar else ""
-    if name_in_import and (line := _import_of_interface(name_in_import, package)):
-        return f"it is elsewhere: `{line}`."
-    similar = nearest(kind, kinds, 0.5) or next(iter(kinds))
-    return f"did you mean `import {package}.{similar}`?"
-
-
-def _imported_name(error: BaseException) -> str:
-    """Return the first name of the failing `from … import …`, or "".
-
-    The source text is not always available, but the bytecode contains the names.
-    """
-    trace = error.__traceback__
-    while trace is not None:
-        constant: object = None
-        for one in dis.get_instructions(trace.tb_frame.f_code):
-            if (one.offset, one.opname) == (trace.tb_lasti, "IMPORT_NAME") and one.argval == getattr(
-                error, "name", None
-            ):
-                return str(constant[0]) if isinstance(constant, tuple) and constant else ""
-            if one.opname == "LOAD_CONST":
-                constant = one.argval
-        trace = trace.tb_next
-    return ""
-
-
-def import_from(package: str, name: str) -> str:
-    """Return the import of a well-known class that is in a module of a package, or ""."""
-    line = _IMPORTS.get(name, "")
-    return line if line.startswith(f"from {package}.") else ""
-
-
-def import_hint(error: ImportError) -> str:
-    """Return a question with the name closest to one that cannot be imported, or ""."""
-    match = re.match(r"cannot import name '(\w+)' from '([\w.]+)'", str(error))
-    if match is None:
-        return ""
-    missing, module = match[1], match[2]
-    package, _, kind = module.partition(".")
-    if found_file := _hiding_file_hint(package):
-        return found_file
-    if package in _interfaces() and (interface := _interface_hint(missing, package, kind)):
-        return interface
-    if module.partition(".")[0] in ("launch", "launch_ros"):
-        line = _IN_LAUNCH_FILES.get(missing) or _IMPORTS.get(missing)
-    else:
-        line = _IMPORTS.get(missing) or _LAUNCH_IMPORTS.get(missing)
-    if line:
-        return f"it is elsewhere: `{line}`."
-    imported_module = sys.modules.get(module)
-    submodules = [match.name for match in iter_modules(getattr(imported_module, "__path__", None) or [])]
-    names = [*_attributes(imported_module), *submodules]
-    longer = [name for name in names if name.startswith(f"{missing}_")]
-    similar = nearest(missing, names) or (longer[0] if len(longer) == 1 else "")
-    return f"did you mean {similar}? `from {module} import {similar}`" if similar else ""
-
-
-def _interface_hint(missing: str, package: str, kind: str) -> str:
-    """Return the hint for a name that a package of interfaces, or its module of a kind, does not have."""
-    kinds = _interfaces()[package]
-    line = _import_of_interface(missing, package)
-    # turtlesim has a Color, but a marker has a ColorRGBA.
-    if line and not line.startswith(tuple(f"from {one}." for one in (package, *_COMMON))):
-        for holder in (package, *_COMMON):
-            for one, names in _interfaces()[holder].items():
-                longer = [name for name in names if name.startswith(missing)] if one == kind else []
-                if len(longer) == 1:
-                    return f"did you mean {longer[0]}? `from {holder}.{one} import {longer[0]}`"
-    if line:
-        return f"it is elsewhere: `{line}`." if kind else f"write `{line}`."
-    if not kind and (similar := nearest(missing, kinds, 0.6)):
-        return f"did you mean {similar}? `from {package} import {similar}`"
-    modules = {kind: kinds[kind]} if kind in kinds else kinds
-    places = [(package, one, names) for one, names in modules.items()]
-    # A name of another package must be more similar.
-    places += [(p, one, names) for p, other in _interfaces().items() for one, names in other.items()]
-    for number, (holder, one, names) in enumerate(places):
-        if similar := nearest(missing, names, 0.75 if number < len(modules) else 0.85):
-            return f"did you mean {similar}? `from {holder}.{one} import {similar}`"
-    return ""
 
 
 def call_with_fields(name: str) -> str:
@@ -900,7 +707,7 @@ def call_with_fields(name: str) -> str:
     types = [one for one in type_names() if one.endswith(f"/msg/{name}")]
     if not types:
         return ""
-    common = [one for one in types if one.partition("/")[0] in _COMMON]
+    common = [one for one in types if one.partition("/")[0] in COMMON]
     samples = {"float64": "1.0", "float32": "1.0", "string": "'text'", "bool": "True"}
     fields = definition((common or types)[0]).fields[:4]
     if len(fields) == 1 and fields[0].container != "scalar":
@@ -912,7 +719,7 @@ def call_with_fields(name: str) -> str:
     return f"{name}({', '.join(f'{field.name}={samples.get(field.base, 1)}' for field in fields)})"
 
 
-def _attributes(value: object) -> list[str]:
+def public_attributes(value: object) -> list[str]:
     """Return the public attributes of an object, or [] if its own `__dir__` raises an exception."""
     try:
         return [name for name in dir(value) if not name.startswith("_")] if value is not None else []
@@ -930,7 +737,7 @@ def _importable(frame: FrameType) -> dict[str, str]:
         name.rpartition("/")[2]: "from {}.{} import {}".format(*name.split("/"))
         for name in reversed(likeliest_first(type_names()))
     }
-    own_imports = {**_LAUNCH_IMPORTS, **_IMPORTS, **(_IN_LAUNCH_FILES if is_launch else {})}
+    own_imports = {**LAUNCH_IMPORTS, **IMPORTS, **(IN_LAUNCH_FILES if is_launch else {})}
     modules = {name: f"import {name}" for name in _STDLIB}
     return {**_kit_names(), **messages, **modules, **own_imports}
 
@@ -942,13 +749,14 @@ def _kit_names() -> dict[str, str]:
     return {
         name: f"from {module} import {name}"
         for module in reversed(_KIT)
-        for name in _attributes(importlib.import_module(module))
+        for name in public_attributes(importlib.import_module(module))
         if name[0].isupper() or module in _KIT[:2]
     }
 
 
 @cache
-def _packages() -> list[str]:
+def known_packages() -> list[str]:
+    """Return the packages of interfaces and of the stand-in, and the libraries of the course."""
     standins = Path(__file__).with_name("standin")
     interface_packages = [name.partition("/")[0] for name in type_names()]
     standin_packages = [path.name for path in standins.iterdir() if path.is_dir()]

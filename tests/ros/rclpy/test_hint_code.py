@@ -9,7 +9,7 @@ import rclpy
 from rclpy.signals import SignalHandlerOptions
 
 from course_lib.ros.graph.graph import Graph
-from course_lib.ros.near_names import _IMPORTS, _LAUNCH_IMPORTS, _ROS_1, call_with_fields
+from course_lib.ros.near_names import IMPORTS, LAUNCH_IMPORTS, ROS_1, call_with_fields
 from course_lib.ros.programs import import_path
 from course_lib.ros.time.time_lock import time_lock
 from course_lib.tools.notebook import ros2_magic
@@ -124,8 +124,8 @@ def run(snippet: str, names: dict[str, object]) -> None:
 
 def snippets() -> list[str]:
     hints = [hint for _, _, hint in MISTAKES]
-    lines = [*_IMPORTS.values(), *_LAUNCH_IMPORTS.values()]
-    found = [one for hint in [*hints, *_ROS_1.values()] for one in SNIPPET.findall(hint)]
+    lines = [*IMPORTS.values(), *LAUNCH_IMPORTS.values()]
+    found = [one for hint in [*hints, *ROS_1.values()] for one in SNIPPET.findall(hint)]
     return sorted({*found, *lines} - FIELDS)
 
 

@@ -1,0 +1,207 @@
+"""Hints for imports that fail: misspelled modules and names, names of other modules, and ROS 1."""
+
+import dis
+import re
+import sys
+from pathlib import Path
+from pkgutil import iter_modules
+
+from course_lib.ros import near_names
+from course_lib.ros.programs.packages import clone_instructions
+
+# Modules that ROS programs often use, by their names on PyPI.
+_FROM_PIP = {
+    "cv2": "opencv-python-headless",
+    "cvxpy": "cvxpy",
+    "dotenv": "python-dotenv",
+    "fastapi": "fastapi",
+    "flask": "flask",
+    "gymnasium": "gymnasium",
+    "imutils": "imutils",
+    "inputs": "inputs",
+    "junit_xml": "junit-xml",
+    "keras": "keras",
+    "langchain": "langchain",
+    "mediapipe": "mediapipe",
+    "networkx": "networkx",
+    "ntplib": "ntplib",
+    "numba": "numba",
+    "open3d": "open3d",
+    "openai": "openai",
+    "osrf_pycommon": "osrf-pycommon",
+    "paho": "paho-mqtt",
+    "pandas": "pandas",
+    "PIL": "pillow",
+    "py_trees": "py-trees",
+    "pyaudio": "pyaudio",
+    "pygame": "pygame",
+    "pymap3d": "pymap3d",
+    "pynput": "pynput",
+    "requests": "requests",
+    "scipy": "scipy",
+    "serial": "pyserial",
+    "shapely": "shapely",
+    "simple_pid": "simple-pid",
+    "skimage": "scikit-image",
+    "sklearn": "scikit-learn",
+    "smbus2": "smbus2",
+    "tensorflow": "tensorflow",
+    "torch": "torch",
+    "transforms3d": "transforms3d",
+    "ultralytics": "ultralytics",
+    "websockets": "websockets",
+}
+# Modules for the pins, buses and cameras of the computer on a robot.
+_ON_A_ROBOT = {
+    *(
+        "RPi",
+        "adafruit_servokit",
+        "board",
+        "busio",
+        "digitalio",
+        "gpiozero",
+        "lgpio",
+        "picamera",
+        "picamera2",
+    ),
+    *("pigpio", "smbus", "spidev"),
+}
+
+
+def module_hint(error: ModuleNotFoundError) -> str:
+    """Return the hint for a module that is misspelled or belongs to ROS 1, or ""."""
+    package, _, inner = (error.name or "").partition(".")
+    if inner and (found := near_names.hiding_file_hint(package)):
+        return found
+    if inner and (found := _interface_module_hint(package, inner, _imported_name(error))):
+        return found
+    if package in _FROM_PIP:
+        return f"it is not part of ROS 2 for Python: pip install {_FROM_PIP[package]}"
+    if package in _ON_A_ROBOT:
+        return (
+            f"{package} drives devices of the robot's own computer: run this program there. Here a "
+            "node of your own can publish the same messages."
+        )
+    if package in near_names.ROS_1:
+        return f"there is no module {package} in ROS 2: {near_names.ROS_1[package]}."
+    if found := clone_instructions(package):
+        return f"{found}."
+    kind, imported = inner.partition(".")[0], _imported_name(error)
+    if kind in ("msg", "srv", "action") and (line := near_names.import_of_interface(imported, package)):
+        return f"it is elsewhere: `{line}`."
+    if Path(f"{package}.ipynb").exists():
+        return f"{package} is a notebook, and Python imports files ending in .py: copy the cell to here."
+    if inner and package in sys.modules:
+        holder, _, last = (error.name or "").rpartition(".")
+        # As in Java, where `import rclpy.node.Node` imports a class.
+        if hasattr(sys.modules.get(holder), last):
+            return f"{last} is not a module: `from {holder} import {last}`."
+        folders = map(Path, getattr(sys.modules.get(holder), "__path__", ()))
+        submodules = [p.stem for folder in folders for p in folder.iterdir() if p.suffix in ("", ".py")]
+        similar = near_names.nearest(last, submodules)
+        return f"did you mean `import {holder}.{similar}`?" if similar else ""
+    # A package like my_msgs is more likely a student's own than a misspelled
+    # one. The standard library has hundreds of short names.
+    cutoff = 0.85 if package.endswith(("_msgs", "_srvs", "_interfaces")) else 0.8
+    similar = near_names.nearest(package, near_names.known_packages(), cutoff) or near_names.nearest(
+        package, sys.stdlib_module_names, 0.85
+    )
+    return f"did you mean {similar}?" if similar else ""
+
+
+def _interface_module_hint(package: str, inner: str, name_in_import: str) -> str:
+    """Return the hint for a module that a package of interfaces does not have, or "".
+
+    Args:
+        package: The package.
+        inner: The rest of the module's name, "mgs" or "msg.String".
+        name_in_import: The name that was to be imported from the module, or "".
+    """
+    kinds = near_names.interfaces().get(package)
+    if kinds is None:
+        return ""
+    kind, _, name = inner.partition(".")
+    if name and kind in kinds:
+        similar = name if name in kinds[kind] else near_names.nearest(name, kinds[kind])
+        return f"write `from {package}.{kind} import {similar}`." if similar else ""
+    if name_in_import and (line := near_names.import_of_interface(name_in_import, package)):
+        return f"it is elsewhere: `{line}`."
+    similar = near_names.nearest(kind, kinds, 0.5) or next(iter(kinds))
+    return f"did you mean `import {package}.{similar}`?"
+
+
+def _imported_name(error: BaseException) -> str:
+    """Return the first name of the failing `from … import …`, or "".
+
+    The source text is not always available, but the bytecode contains the names.
+    """
+    trace = error.__traceback__
+    while trace is not None:
+        constant: object = None
+        for one in dis.get_instructions(trace.tb_frame.f_code):
+            if (one.offset, one.opname) == (trace.tb_lasti, "IMPORT_NAME") and one.argval == getattr(
+                error, "name", None
+            ):
+                return str(constant[0]) if isinstance(constant, tuple) and constant else ""
+            if one.opname == "LOAD_CONST":
+                constant = one.argval
+        trace = trace.tb_next
+    return ""
+
+
+def import_from(package: str, name: str) -> str:
+    """Return the import of a well-known class that is in a module of a package, or ""."""
+    line = near_names.IMPORTS.get(name, "")
+    return line if line.startswith(f"from {package}.") else ""
+
+
+def import_hint(error: ImportError) -> str:
+    """Return a question with the name closest to one that cannot be imported, or ""."""
+    match = re.match(r"cannot import name '(\w+)' from '([\w.]+)'", str(error))
+    if match is None:
+        return ""
+    missing, module = match[1], match[2]
+    package, _, kind = module.partition(".")
+    if found_file := near_names.hiding_file_hint(package):
+        return found_file
+    if package in near_names.interfaces() and (interface := _interface_hint(missing, package, kind)):
+        return interface
+    if module.partition(".")[0] in ("launch", "launch_ros"):
+        line = near_names.IN_LAUNCH_FILES.get(missing) or near_names.IMPORTS.get(missing)
+    else:
+        line = near_names.IMPORTS.get(missing) or near_names.LAUNCH_IMPORTS.get(missing)
+    if line:
+        return f"it is elsewhere: `{line}`."
+    imported_module = sys.modules.get(module)
+    submodules = [match.name for match in iter_modules(getattr(imported_module, "__path__", None) or [])]
+    names = [*near_names.public_attributes(imported_module), *submodules]
+    longer = [name for name in names if name.startswith(f"{missing}_")]
+    similar = near_names.nearest(missing, names) or (longer[0] if len(longer) == 1 else "")
+    return f"did you mean {similar}? `from {module} import {similar}`" if similar else ""
+
+
+def _interface_hint(missing: str, package: str, kind: str) -> str:
+    """Return the hint for a name that a package of interfaces, or its module of a kind, does not have."""
+    kinds = near_names.interfaces()[package]
+    line = near_names.import_of_interface(missing, package)
+    # turtlesim has a Color, but a marker has a ColorRGBA.
+    if line and not line.startswith(tuple(f"from {one}." for one in (package, *near_names.COMMON))):
+        for holder in (package, *near_names.COMMON):
+            for one, names in near_names.interfaces()[holder].items():
+                longer = [name for name in names if name.startswith(missing)] if one == kind else []
+                if len(longer) == 1:
+                    return f"did you mean {longer[0]}? `from {holder}.{one} import {longer[0]}`"
+    if line:
+        return f"it is elsewhere: `{line}`." if kind else f"write `{line}`."
+    if not kind and (similar := near_names.nearest(missing, kinds, 0.6)):
+        return f"did you mean {similar}? `from {package} import {similar}`"
+    modules = {kind: kinds[kind]} if kind in kinds else kinds
+    places = [(package, one, names) for one, names in modules.items()]
+    # A name of another package must be more similar.
+    places += [
+        (p, one, names) for p, other in near_names.interfaces().items() for one, names in other.items()
+    ]
+    for number, (holder, one, names) in enumerate(places):
+        if similar := near_names.nearest(missing, names, 0.75 if number < len(modules) else 0.85):
+            return f"did you mean {similar}? `from {holder}.{one} import {similar}`"
+    return ""
