@@ -24,6 +24,10 @@ class CourseError(Exception):
     def __init__(self, *arguments: object) -> None:
         super().__init__(*(shorten_words(one) if isinstance(one, str) else one for one in arguments))
 
+    def _render_traceback_(self) -> list[str]:
+        """Return the lines that IPython prints instead of a traceback, with or without the extension."""
+        return [f"{type(self).__name__}: {self}"]
+
 
 def shorten_words(text: str) -> str:
     """Shorten each word or quoted value of a message that is longer than any path or name."""

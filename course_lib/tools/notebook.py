@@ -334,8 +334,10 @@ def _show_error(
     trace: TracebackType,
     tb_offset: int | None = None,
 ) -> list[str]:
-    if isinstance(error, CourseError | KeyboardInterrupt):
-        line = line_of_traceback(trace) if isinstance(error, KeyboardInterrupt) else ""
+    if isinstance(error, CourseError):
+        shell.showtraceback((kind, error, trace))
+    elif isinstance(error, KeyboardInterrupt):
+        line = line_of_traceback(trace)
         message = str(error) or f"the cell was stopped{line and f' in {line}'}."
         shell._showtraceback(kind, error, [f"{kind.__name__}: {message}"])
     else:

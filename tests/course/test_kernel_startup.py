@@ -11,7 +11,15 @@ from course_lib.course.student_folder import KERNEL_STARTUP
 from tests.patience import PATIENCE
 
 HINT = "hint: run the cells above first, beginning with the first one, %load_ext course_lib "
-CELLS = ['check("week06.camera", 3)', "%ros2 topic list", "%load_ext course_lib", "Viewr()", "sorted(dir())"]
+CELLS = [
+    'check("week06.camera", 3)',
+    "%ros2 topic list",
+    "resume()",
+    "from course_lib import run_live\nrun_live(3)",
+    "%load_ext course_lib",
+    "Viewr()",
+    "sorted(dir())",
+]
 
 
 @pytest.fixture(scope="module")
@@ -45,12 +53,21 @@ def test_magic_before_the_first_cell_has_a_hint(shown: list[str]) -> None:
     assert HINT in shown[1]
 
 
+def test_resume_that_was_not_imported_names_the_import(shown: list[str]) -> None:
+    assert "hint: write `from course_lib import resume` above it and run this cell again." in shown[2]
+
+
+def test_error_of_the_kit_before_the_first_cell_is_one_line(shown: list[str]) -> None:
+    assert shown[3].startswith("CourseError: 3 is not a node. ")
+    assert len(shown[3].splitlines()) == 1
+
+
 def test_kit_that_is_loaded_replaces_the_hint(shown: list[str]) -> None:
-    assert HINT not in shown[3]
+    assert HINT not in shown[5]
 
 
 def test_startup_leaves_no_names(shown: list[str]) -> None:
-    assert "early" not in shown[4]
+    assert "early" not in shown[6]
 
 
 def test_plain_python_runs_the_file_without_effect() -> None:

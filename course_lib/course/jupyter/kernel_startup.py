@@ -18,6 +18,7 @@ def _watch_for_early_cells() -> None:
         "run the cells above first, beginning with the first one, %load_ext course_lib "
         "(Run → Run All Above Selected Cell)."
     )
+    resume_hint = "write `from course_lib import resume` above it and run this cell again."
 
     def show(
         shell: Any,
@@ -30,7 +31,8 @@ def _watch_for_early_cells() -> None:
             shell.show_usage_error(error)
             print(f"hint: {hint}", file=sys.stderr)  # noqa: T201  where IPython prints the error
         else:
-            error.add_note(f"hint: {hint}")
+            is_resume = isinstance(error, NameError) and error.name == "resume"
+            error.add_note(f"hint: {resume_hint if is_resume else hint}")
             shell.showtraceback((kind, error, trace), tb_offset=tb_offset)
 
     if shell is not None:
