@@ -21,7 +21,7 @@ class Difference:
 
 _AFTER_THE_END = "Executors after `rclpy.shutdown()`, or before `rclpy.init()`"
 _COUNTS = "Counts after `rclpy.shutdown()`"
-_BYTES = "Bytes that are no message"
+_BYTES = "Bytes that are not a message"
 _INSTANCE = "A message instead of its class, `create_publisher(String(), …)`"
 _CONSTANT = "Assigning a constant, `Marker.CUBE = 7`"
 _ASSERTIONS = "Texts of assertions and of wrong types"
@@ -36,7 +36,7 @@ PROBES: dict[str, dict[str, Difference]] = {
     },
     "spinning": {
         "changing_time_limits_while_a_coroutine_waits": Difference(
-            "A time limit of `spin_once` that changes while a coroutine waits", "True"
+            "A timeout of `spin_once` that changes while a coroutine waits", "True"
         ),
     },
     "calls": {
@@ -75,7 +75,7 @@ PROBES: dict[str, dict[str, Difference]] = {
     "corners": {
         "corner.constant_of_the_class": Difference(_CONSTANT, "None"),
         "corner.constant": Difference(_CONSTANT, "7"),
-        "corner.zero_in_a_string": Difference("A zero character in a string", "x00b"),
+        "corner.zero_in_a_string": Difference("A null character in a string", "x00b"),
         "corner.matrix_as_covariance": Difference(_NUMBERS, "must have a size of 36"),
         "corner.bad_bytes": Difference(_BYTES, "These 1 bytes are not a valid std_msgs/msg/String"),
         "corner.no_bytes": Difference(_BYTES, "These 0 bytes are not a valid std_msgs/msg/String"),
@@ -111,7 +111,7 @@ AGREEMENTS = {
     "Polling, `spin_once(timeout_sec=0)`": ("refusals", "polling_takes_every_second_call"),
     "Losses": ("graphs", "burst.one"),
     "Two types on one topic or service": ("refusals", "two_types_on_one_topic"),
-    "Bytes behind a message": ("refusals", "bytes_with_a_tail"),
+    "Extra bytes at the end of a message": ("refusals", "bytes_with_a_tail"),
     "Depth in `get_publishers_info_by_topic`": ("graphs", "endpoint.text"),
 }
 
@@ -120,7 +120,7 @@ END_OF_A_RUN = "The end of a run"
 ENDS_AS_ASKED = ("plain_spin", "while_ok")
 
 # Programs of the documents whose values differ, with their row.
-OTHER_VALUES = {"PerceptionVisualizer": "Chance"}
+OTHER_VALUES = {"PerceptionVisualizer": "Random numbers"}
 
 # Nodes of the course whose outcome differs, with their row: three publish values of the clock, and
 # one measures a rate with it.

@@ -36,7 +36,10 @@ SERIOUS = {
 }
 
 MEDIUM = {
-    "bytes behind the end of a message": ("probe refusals bytes_with_a_tail", "row Bytes behind a message"),
+    "extra bytes at the end of a message": (
+        "probe refusals bytes_with_a_tail",
+        "row Extra bytes at the end of a message",
+    ),
     "parameter callback without a result": (
         "probe refusals parameter_callback_without_a_return",
         "probe refusals parameter_callback_that_returns_true",
@@ -149,7 +152,7 @@ SMALL = {
         "probe corners corner.default_durability",
         "probe corners corner.default_durability_asked",
     ),
-    "a zero character in a string": ("row A zero character in a string",),
+    "a zero character in a string": ("row A null character in a string",),
     "a matrix as a covariance": ("row Arrays of numbers", "probe corners corner.flat_matrix"),
     "logging None and bytes": (
         "probe logs message.none",
@@ -168,10 +171,10 @@ SMALL = {
         "row Ctrl+C with `SignalHandlerOptions.NO`",
     ),
     "time limits that change while a coroutine waits": (
-        "row A time limit of `spin_once` that changes while a coroutine waits",
+        "row A timeout of `spin_once` that changes while a coroutine waits",
         "probe spinning one_time_limit_while_a_coroutine_waits",
     ),
-    "bytes that are no message": ("row Bytes that are no message",),
+    "bytes that are no message": ("row Bytes that are not a message",),
     "padding of raw messages": (
         "probe entities takes.raw_text",
         "test test_raw_subscription_and_bytes_between_processes",
