@@ -44,8 +44,10 @@ from course_lib.ros.robot.link import (
     OnRequest,
     Packet,
     Report,
+    incomplete_message,
+    moved_message,
+    silence_message,
 )
-from course_lib.ros.robot.reports import incomplete_message, moved_message, silence_message
 from course_lib.ros.time import wall
 
 # Limit on calls without a reply, and on requests and replies that wait for a match.

@@ -39,6 +39,9 @@ from course_lib.ros.graph.topics import (
 )
 from course_lib.ros.messages.definitions import is_known
 from course_lib.ros.robot.link import (
+    NO_STOP,
+    SIMULATED_TIME,
+    STOP_IS_DUE,
     Actions,
     Declaration,
     Entity,
@@ -47,13 +50,8 @@ from course_lib.ros.robot.link import (
     Packet,
     Report,
     SendReply,
-    latched_depth,
-)
-from course_lib.ros.robot.reports import (
-    NO_STOP,
-    SIMULATED_TIME,
-    STOP_IS_DUE,
     clock_warning,
+    latched_depth,
     no_answer_message,
     qos_warning,
     second_driver_warning,

@@ -12,8 +12,7 @@ from course_lib.ros.graph.graph import use_graph
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import deserialize, serialize, type_name
 from course_lib.ros.messages.definitions import type_hash
-from course_lib.ros.robot.link import Packet
-from course_lib.ros.robot.reports import NO_STOP, STOP_IS_DUE, clock_warning
+from course_lib.ros.robot.link import NO_STOP, STOP_IS_DUE, Packet, clock_warning
 from course_lib.ros.robot.robot_graph import (
     MAX_BYTES,
     MAX_MESSAGES,

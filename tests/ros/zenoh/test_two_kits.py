@@ -12,7 +12,7 @@ from std_srvs.srv import Trigger
 from course_lib.ros.graph.topics import SERVICE_HEADER, Qos
 from course_lib.ros.messages import deserialize, serialize, type_name
 from course_lib.ros.robot import robot_graph
-from course_lib.ros.robot.reports import second_driver_warning
+from course_lib.ros.robot.link import second_driver_warning
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.robot.sending import STALE, BlockedTraffic, Permissions
 from course_lib.ros.time import wall
