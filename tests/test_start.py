@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from course_lib import cli, usual_commands
+from course_lib.__main__ import main
 from course_lib.tools import run as tools
 from tests.patience import PATIENCE
 
@@ -49,6 +50,17 @@ def test_only_commands_that_run_programs_restart_the_interpreter(
     else:
         usual_commands.fix_hash_seed(words.split())
         assert started == []
+
+
+def test_interrupt_during_the_imports_exits_without_a_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(words: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(usual_commands, "find_usual", interrupt)
+    monkeypatch.setattr(sys, "argv", ["course", "--version"])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == usual_commands.INTERRUPTED
 
 
 @pytest.mark.slow

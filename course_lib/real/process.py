@@ -120,15 +120,21 @@ class RealProcesses:
     ) -> None:
         """Start a program with output to `streams`. If `subject` is given, it creates the nodes."""
         command = [self._environment.python, PROGRAM, self._settings, subject, program, *arguments]
-        process = subprocess.Popen(
-            [str(word) for word in command],
-            stdout=streams[0],
-            stderr=streams[1],
-            env=self._variables,
-            # Ctrl+C reaches only this process, which passes it on once.
-            start_new_session=True,
-        )
-        self.processes.append(process)
+        # Python ends with a fatal error if it is interrupted while it starts, so the program starts
+        # with SIGINT blocked and unblocks it when its handler is installed.
+        unblocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            process = subprocess.Popen(
+                [str(word) for word in command],
+                stdout=streams[0],
+                stderr=streams[1],
+                env=self._variables,
+                # Ctrl+C reaches only this process, which passes it on once.
+                start_new_session=True,
+            )
+            self.processes.append(process)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, unblocked)
 
     def are_running(self) -> bool:
         """Return whether a program still runs."""

@@ -3,12 +3,17 @@
 import ctypes
 import os
 import signal
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from course_lib.real.child import program
+from course_lib.real.environment import RealEnvironment
+from course_lib.real.process import RealProcesses
+from course_lib.ros.time import wall
 
 CALLBACK = """
 def nested():
@@ -46,3 +51,18 @@ def test_interrupt_in_a_callback_of_c_code_is_raised_after_it_returns(kind: Any)
 def test_interrupt_elsewhere_is_raised_immediately() -> None:
     with pytest.raises(KeyboardInterrupt):
         os.kill(os.getpid(), signal.SIGINT)
+
+
+def test_interrupt_while_python_starts_is_raised_when_the_handler_is_installed(tmp_path: Path) -> None:
+    python, file, output = tmp_path / "python", tmp_path / "my_node.py", tmp_path / "stderr"
+    # A shell that interrupts itself stands for the first lines of Python.
+    python.write_text(f'#!/bin/sh\nkill -INT $$\nexec {sys.executable} "$@"\n')
+    python.chmod(0o755)
+    file.write_text("raise SystemExit(3)\n")
+    with output.open("w") as stderr:
+        programs = RealProcesses(RealEnvironment(python), tmp_path, [file], print, domain=1)
+        programs.start(file, streams=(None, stderr))
+        while programs.are_running():
+            wall.sleep(0.01)
+    assert programs.end(lambda: None) == 0
+    assert output.read_text().splitlines()[-1] == "KeyboardInterrupt"

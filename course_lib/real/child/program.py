@@ -242,6 +242,8 @@ def main() -> None:
     sys.meta_path.insert(0, KitPackages(settings, program))
     signal.signal(signal.SIGINT, interrupt)
     sys.excepthook = partial(print_error, is_timed=settings["is_timed"])
+    # The parent has blocked it while Python started.
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     if subject == "-":
         execute(file, "__main__")
     else:
