@@ -369,7 +369,6 @@ MIN_SPEED = 0.0001
 ARROWS = {"↑": (1.0, 0.0), "↓": (-1.0, 0.0), "←": (0.0, 1.0), "→": (0.0, -1.0)}
 # Headings in eighths of a turn. On a keyboard these keys are around F, which cancels.
 HEADINGS = {"g": 0, "t": 1, "r": 2, "e": 3, "d": 4, "c": -3, "v": -2, "b": -1}
-KEYS = ("e", "r", "t", "d", "f", "g", "c", "v", "b", "←", "↑", "→", "", "↓", "")
 
 
 class TurtleMimic(Node):
@@ -428,6 +427,9 @@ class DrawSquare(Node):
 
 class TurtleTeleop(Node):
     """Controls the first turtle by keys, pressed by a program or a button."""
+
+    # Rows of three buttons; an empty name leaves a gap.
+    KEYS = ("e", "r", "t", "d", "f", "g", "c", "v", "b", "←", "↑", "→", "", "↓", "")
 
     def __init__(self) -> None:
         super().__init__("teleop_turtle")

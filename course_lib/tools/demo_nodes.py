@@ -1,19 +1,35 @@
-"""demo_nodes_py and demo_nodes_cpp: the nodes of ROS's first tutorials, with the same output.
+"""The nodes of demo_nodes_py, demo_nodes_cpp and teleop_twist_keyboard, with ROS's own output.
 
-The nodes of demo_nodes_cpp are programs in C++ on a robot. Here they are written in Python.
+On a robot, those of demo_nodes_cpp are programs in C++. Here they are written in Python.
 """
 
 import sys
+from collections import deque
 
 import rclpy
 from example_interfaces.srv import AddTwoInts
+from geometry_msgs.msg import Twist, Vector3
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
 PERIOD = 1.0  # [s]
 # The numbers that the client adds.
 A, B = 2, 3
+# Polling period of the keys [s].
+KEY_PERIOD = 0.02
+# Forward and turning speed as factors of the two maximum speeds. All other keys stop the base.
+MOVES = {
+    "u": (1, 1), "i": (1, 0), "o": (1, -1),
+    "j": (0, 1), "l": (0, -1),
+    "m": (-1, -1), ",": (-1, 0), ".": (-1, 1),
+}  # fmt: skip
+# Factors by which keys change the two maximum speeds.
+FASTER = {
+    "q": (1.1, 1.1), "w": (1.1, 1.0), "e": (1.0, 1.1),
+    "z": (0.9, 0.9), "x": (0.9, 1.0), "c": (1.0, 0.9),
+}  # fmt: skip
 
 
 class Talker(Node):
@@ -87,3 +103,37 @@ def add_two_ints() -> None:
     answer = future.result()
     if answer is not None:
         node.get_logger().info(f"Result of add_two_ints: {answer.sum}")
+
+
+class TwistTeleop(Node):
+    """Publishes a Twist on `cmd_vel` for each key, like the ROS program of this name."""
+
+    # Rows of three buttons.
+    KEYS = ("u", "i", "o", "j", "k", "l", "m", ",", ".", "q", "w", "e", "z", "x", "c")
+
+    def __init__(self) -> None:
+        super().__init__("teleop_twist_keyboard")
+        # In [m/s] and [rad/s].
+        self.declare_parameter("speed", 0.5)
+        self.declare_parameter("turn", 1.0)
+        self._speed, self._turn = (float(self.get_parameter(name).value) for name in ("speed", "turn"))
+        self._twists = self.create_publisher(Twist, "cmd_vel", QoSProfile(depth=10))
+        self._pressed: deque[str] = deque()
+        self.create_timer(KEY_PERIOD, self._work)
+
+    def press(self, key: str) -> None:
+        """Press a key."""
+        self._pressed.append(key)
+
+    def _work(self) -> None:
+        while self._pressed:
+            key = self._pressed.popleft()
+            if key in FASTER:
+                speed, turn = FASTER[key]
+                self._speed, self._turn = self._speed * speed, self._turn * turn
+                self.get_logger().info(f"currently:\tspeed {self._speed:.2f}\tturn {self._turn:.2f}")
+                continue
+            forward, turn = MOVES.get(key, (0, 0))
+            self._twists.publish(
+                Twist(linear=Vector3(x=forward * self._speed), angular=Vector3(z=turn * self._turn))
+            )

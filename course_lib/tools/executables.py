@@ -3,7 +3,7 @@
 import argparse
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
 from importlib import import_module
@@ -17,6 +17,7 @@ from course_lib.ros.time import pace
 from course_lib.third_party import read_text
 
 if TYPE_CHECKING:
+    from ipywidgets import GridBox
     from rclpy.executors import Executor
     from rclpy.node import Node
 
@@ -86,17 +87,27 @@ def _spin_class(module: str, name: str, *arguments: str | list[str]) -> None:
 
 def _teleop(module: str, name: str) -> None:
     """Run a node that is controlled by keys, with buttons for the keys in a notebook cell."""
-    teleop = import_module(module)
-    node = getattr(teleop, name)()
+    node = getattr(import_module(module), name)()
     if current_graph().notebook and pace.mode() != "fast":
         from IPython.display import display
 
-        from course_lib.robots.teleop import key_buttons
-
-        display(key_buttons(node.press, teleop.KEYS))  # type: ignore[no-untyped-call]  # untyped there
+        display(key_buttons(node.press, node.KEYS))  # type: ignore[no-untyped-call]  # untyped there
     else:
         node.get_logger().info("There is no keyboard here; a cell in JupyterLab has buttons.")
     spin(node)
+
+
+def key_buttons(press: Callable[[str], None], keys: Sequence[str]) -> "GridBox":
+    """Return keys as buttons for a cell, three in a row. An empty name leaves a gap."""
+    import ipywidgets
+
+    buttons = []
+    for key in keys:
+        button = ipywidgets.Button(description=key.upper(), tooltip=f"The key {key.upper()}")
+        button.layout.width, button.layout.visibility = "3.2em", "visible" if key else "hidden"
+        button.on_click(lambda _, key=key: press(key))
+        buttons.append(button)
+    return ipywidgets.GridBox(buttons, layout={"grid_template_columns": "repeat(3, 3.6em)"})
 
 
 def _turtlesim() -> None:
@@ -246,9 +257,7 @@ _NODES: dict[tuple[str, str], Callable[[], None]] = {
     ("joint_state_publisher_gui", "joint_state_publisher_gui"): partial(_joint_state_publisher, sliders=True),
     ("turtlesim", "turtlesim_node"): _turtlesim,
     ("turtlesim", "turtle_teleop_key"): partial(_teleop, _TURTLE, "TurtleTeleop"),
-    ("teleop_twist_keyboard", "teleop_twist_keyboard"): partial(
-        _teleop, "course_lib.robots.teleop", "TwistTeleop"
-    ),
+    ("teleop_twist_keyboard", "teleop_twist_keyboard"): partial(_teleop, _DEMO, "TwistTeleop"),
     ("demo_nodes_py", "talker"): partial(_spin_class, _DEMO, "Talker"),
     ("demo_nodes_py", "listener"): partial(_spin_class, _DEMO, "Listener"),
     ("demo_nodes_py", "add_two_ints_server"): partial(_spin_class, _DEMO, "AddTwoIntsServer"),

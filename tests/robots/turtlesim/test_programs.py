@@ -4,9 +4,9 @@ import pytest
 import rclpy
 from turtlesim.srv import Spawn
 
-from course_lib.robots.teleop import key_buttons
-from course_lib.robots.turtlesim import KEYS, DrawSquare, TurtleMimic, TurtlesimNode, TurtleTeleop
+from course_lib.robots.turtlesim import DrawSquare, TurtleMimic, TurtlesimNode, TurtleTeleop
 from course_lib.ros.time.driving import spin_for
+from course_lib.tools.executables import key_buttons
 from tests.robots.turtlesim.student import MIDDLE, Student
 
 
@@ -56,7 +56,7 @@ def test_arrow_keys_steer_the_first_turtle(
 def test_key_f_cancels_a_rotation(run: tuple[TurtlesimNode, Student]) -> None:
     simulator, student = run
     teleop = TurtleTeleop()
-    buttons = {button.description: button for button in key_buttons(teleop.press, KEYS).children}
+    buttons = {button.description: button for button in key_buttons(teleop.press, teleop.KEYS).children}
     buttons["D"].click()
     spin_for(1.0, simulator, student, teleop)
     buttons["F"].click()

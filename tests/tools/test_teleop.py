@@ -5,9 +5,10 @@ import rclpy
 from geometry_msgs.msg import Twist
 from rclpy.node import Node
 
-from course_lib.robots.teleop import KEYS, TwistTeleop, key_buttons
 from course_lib.ros.graph.graph import Graph, use_graph
 from course_lib.ros.time.driving import spin_for
+from course_lib.tools.demo_nodes import TwistTeleop
+from course_lib.tools.executables import key_buttons
 
 
 @pytest.fixture
@@ -40,7 +41,7 @@ def test_key_or_its_button_drives_the_robot(
 
 def test_each_key_has_a_button(run: tuple[TwistTeleop, Node, list[Twist]]) -> None:
     teleop, base, heard = run
-    buttons = {button.description: button for button in key_buttons(teleop.press, KEYS).children}
+    buttons = {button.description: button for button in key_buttons(teleop.press, teleop.KEYS).children}
     buttons["I"].click()
     spin_for(0.1, teleop, base)
     assert heard[-1].linear.x == 0.5
