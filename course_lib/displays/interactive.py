@@ -15,28 +15,9 @@ from typing import Any, Literal
 import numpy as np
 
 from course_lib.arrays import Floats, Matrix
+from course_lib.displays import interactive_motion as motion
 from course_lib.displays.display import Context, Display, Subscription, node_name
 from course_lib.displays.frames import NS, nanoseconds, pose_in_fixed_frame, quaternion_of
-from course_lib.displays.interactive_motion import (
-    BUTTON,
-    FIXED,
-    INHERIT,
-    MENU,
-    MOVE_AXIS,
-    MOVE_ROTATE,
-    ROTATE_AXIS,
-    VIEW_FACING,
-    Drag,
-    Message,
-    Pointer,
-    axes_of,
-    complete,
-    facing,
-    make,
-    rotation,
-    rotation_of,
-    title,
-)
 from course_lib.displays.markers import DRAW
 from course_lib.displays.panel.protocol import MenuItem, UseControl
 from course_lib.displays.properties import Property, flag, text
@@ -62,9 +43,9 @@ class ClientCallbacks:
     """Callbacks of a client."""
 
     # Replaces all markers.
-    begin: Callable[[Iterable[Message]], None]
+    begin: Callable[[Iterable[motion.Message]], None]
     # Applies an InteractiveMarkerUpdate.
-    follow: Callable[[Message], None]
+    follow: Callable[[motion.Message], None]
     clear: Callable[[], None]
 
 
@@ -92,10 +73,10 @@ class MarkerClient:
         self._context, self._namespace, self._statuses = context, namespace, statuses
         self._actions, self._transparent = actions, transparent
         self._state: Literal["idle", "asking", "running", "stopped"] = "idle"
-        self._queue: deque[Message] = deque()
+        self._queue: deque[motion.Message] = deque()
         # Number of the last update.
         self._last_sequence: int | None = None
-        self._response: Message = None
+        self._response: motion.Message = None
         # Number of requests.
         self._request_count = 0
         self._requested_ns = 0
@@ -103,12 +84,12 @@ class MarkerClient:
         if context.node is not None:
             context.node.publisher(f"{namespace}/feedback", FEEDBACK, QOS)
 
-    def send(self, feedback: Message) -> None:
+    def send(self, feedback: motion.Message) -> None:
         """Publish feedback, unless this is a recording."""
         if self._context.node is not None:
             self._context.node.publish(f"{self._namespace}/feedback", FEEDBACK, QOS, feedback)
 
-    def take(self, update: Message) -> None:
+    def take(self, update: motion.Message) -> None:
         """Queue an update. A wrong sequence number restarts the connection."""
         if update.type == _KEEP_ALIVE or self._state == "stopped":
             return
@@ -121,7 +102,7 @@ class MarkerClient:
         self._set_status("ok", f"Received update with sequence number {update.seq_num}")
         self._last_sequence = update.seq_num
         for marker in update.markers:
-            complete(marker, self._transparent)
+            motion.complete(marker, self._transparent)
         self._queue.append(update)
         if self._state == "idle":
             # An update shows that the server exists.
@@ -170,11 +151,11 @@ class MarkerClient:
         self._set_status("ok", "Sending request for interactive markers")
         self._statuses.hint(LABEL, _NOT_SPUN)
 
-        def take(response: Message) -> None:
+        def take(response: motion.Message) -> None:
             if number == self._request_count:
                 with contained(self._statuses, "Response"):
                     for marker in response.markers:
-                        complete(marker, self._transparent)
+                        motion.complete(marker, self._transparent)
                     self._response = response
                 self._context.on_change()
 
@@ -232,7 +213,7 @@ class MarkerClient:
             waits = waits or error is None
         return "", waits
 
-    def _problem(self, header: Message) -> str | None:
+    def _problem(self, header: motion.Message) -> str | None:
         """Return "" if a header's transform is known, an error, or None if it may become known."""
         frames, frame = self._context.frames, header.frame_id.removeprefix("/")
         stamp_ns = nanoseconds(header.stamp)
@@ -254,14 +235,14 @@ _IDENTITY: Matrix = np.eye(4)
 # Half the length of the line along an axis [m].
 _AID = 10_000.0
 # The modes with such a line.
-_HELPED = (MOVE_AXIS, ROTATE_AXIS, MOVE_ROTATE)
+_HELPED = (motion.MOVE_AXIS, motion.ROTATE_AXIS, motion.MOVE_ROTATE)
 
 
 @dataclass
 class SceneControl:
     """A control in the scene."""
 
-    message: Message
+    message: motion.Message
     # The path of the control's scene node.
     path: str
     # The orientation of the control: columns are x, y and z.
@@ -272,17 +253,18 @@ class SceneControl:
     def orientation(self, pose: Matrix, camera: Matrix) -> Matrix:
         """Return the orientation of its frame in the reference frame, shape (3, 3)."""
         mode = self.message.orientation_mode
-        if mode == INHERIT:
+        if mode == motion.INHERIT:
             return pose[:3, :3]
-        if mode == FIXED:
-            return rotation(self.axes[:, 0], self.turned)
-        return facing(self.axes, camera, self.turned)
+        if mode == motion.FIXED:
+            return motion.rotation(self.axes[:, 0], self.turned)
+        return motion.facing(self.axes, camera, self.turned)
 
     def marker_pose(self, pose: Matrix, camera: Matrix) -> Matrix:
         """Return the pose of its markers, shape (4, 4)."""
         pose_of_markers = pose.copy()
         is_apart = (
-            self.message.orientation_mode == VIEW_FACING and self.message.independent_marker_orientation
+            self.message.orientation_mode == motion.VIEW_FACING
+            and self.message.independent_marker_orientation
         )
         if not is_apart:
             pose_of_markers[:3, :3] = self.orientation(pose, camera)
@@ -300,10 +282,10 @@ class SceneMarker:
     """
 
     def __init__(
-        self, context: Context, path: str, statuses: Statuses, send: Callable[[Message], None]
+        self, context: Context, path: str, statuses: Statuses, send: Callable[[motion.Message], None]
     ) -> None:
         self._context, self.path, self._statuses, self._send = context, path, statuses, send
-        self.message: Message = None
+        self.message: motion.Message = None
         self.controls: list[SceneControl] = []
         # Whether a line shows the axis of a drag.
         self.shows_aids = False
@@ -318,15 +300,15 @@ class SceneMarker:
         # Camera axes: rows are right, up and ahead.
         self._camera: Matrix = np.eye(3)
         self._pressed_control: SceneControl | None = None
-        self._drag: Drag | None = None
+        self._drag: motion.Drag | None = None
         # The reference frame's transform and the camera of the last frame.
         self._last_view: tuple[Matrix | None, Camera] | None = None
         # Header and pose received during a drag.
-        self._requested: tuple[Message, Message] | None = None
+        self._requested: tuple[motion.Message, motion.Message] | None = None
         # Control and point of the last menu.
         self._menu_request: tuple[str, Floats | None] = ("", None)
 
-    def show(self, message: Message) -> None:
+    def show(self, message: motion.Message) -> None:
         """Draw a message, replacing an earlier one."""
         angles = {control.message.name: control.turned for control in self.controls}
         self.message = message
@@ -339,7 +321,7 @@ class SceneMarker:
             self._draw_control(control, f"{above}/{node_name(control.name)}", angles.get(control.name, 0.0))
             for control in message.controls
         ]
-        self.controls.append(self._draw_control(title(message), f"{self.path}/title", 0.0))
+        self.controls.append(self._draw_control(motion.title(message), f"{self.path}/title", 0.0))
         controls_by_name = {control.message.name: control for control in self.controls[:-1]}
         if self._pressed_control is not None:
             self._pressed_control = controls_by_name.get(self._pressed_control.message.name)
@@ -347,7 +329,7 @@ class SceneMarker:
         self._statuses.set("ok", message.name, text)
         self._follow(changed=True)
 
-    def move(self, header: Message, pose: Message) -> None:
+    def move(self, header: motion.Message, pose: motion.Message) -> None:
         """Move to a pose from the server. During a drag, store the pose until the drag ends."""
         if self._drag is not None:
             self._requested = header, pose
@@ -363,7 +345,7 @@ class SceneMarker:
         """Return the control that is drawn at a path of the scene."""
         return next((c for c in self.controls if f"{path}/".startswith(f"{c.path}/")), None)
 
-    def press(self, control: SceneControl, pointer: Pointer, point: Floats | None) -> None:
+    def press(self, control: SceneControl, pointer: motion.Pointer, point: Floats | None) -> None:
         """Begin a drag; points and rays are in the fixed frame, [m]."""
         inward = inverse(self._reference)
         local = pointer.transformed_to(inward)
@@ -372,14 +354,14 @@ class SceneMarker:
         axes = control.orientation(self._pose, local.axes) @ control.axes
         mode = control.message.interaction_mode
         self._pressed_control = control
-        self._drag = Drag(mode, axes, grab, self._pose, local, self._pose)
-        if self.shows_aids and mode in _HELPED and control.message.orientation_mode != VIEW_FACING:
+        self._drag = motion.Drag(mode, axes, grab, self._pose, local, self._pose)
+        if self.shows_aids and mode in _HELPED and control.message.orientation_mode != motion.VIEW_FACING:
             ends = np.outer((1, -1), control.axes[:, 0] * _AID)
             self._context.scene.set_object(f"{control.path}/aid", Lines(ends, (1.0, 1.0, 1.0, 1.0)))
         for event in (POSE_UPDATE, MOUSE_DOWN):
             self.report(event, control, point)
 
-    def drag(self, pointer: Pointer, shift: bool, ctrl: bool) -> None:
+    def drag(self, pointer: motion.Pointer, shift: bool, ctrl: bool) -> None:
         """Move the marker as far as its control allows."""
         if self._drag is None or self._pressed_control is None:
             return
@@ -394,7 +376,7 @@ class SceneMarker:
 
     def release(self, control: SceneControl, point: Floats | None) -> None:
         """End a drag, or click a button."""
-        if control.message.interaction_mode == BUTTON:
+        if control.message.interaction_mode == motion.BUTTON:
             self.report(BUTTON_CLICK, control, point)
         for event in (POSE_UPDATE, MOUSE_UP):
             self.report(event, control, point)
@@ -422,7 +404,7 @@ class SceneMarker:
         menu_entry_id: int = 0,
     ) -> None:
         """Send feedback, in the reference frame if the marker is locked to it, else in the fixed frame."""
-        feedback = make(
+        feedback = motion.make(
             FEEDBACK, event_type=event, marker_name=self.message.name, control_name=control.message.name,
             client_id=_CLIENT, menu_entry_id=menu_entry_id, mouse_point_valid=point is not None,
         )  # fmt: skip
@@ -443,10 +425,10 @@ class SceneMarker:
             _write_point(feedback.mouse_point, _transform_point(inward, point))
         self._send(feedback)
 
-    def _draw_control(self, message: Message, path: str, angle: float) -> SceneControl:
+    def _draw_control(self, message: motion.Message, path: str, angle: float) -> SceneControl:
         """Draw a control."""
         scene = self._context.scene
-        control = SceneControl(message, path, rotation_of(message.orientation), angle)
+        control = SceneControl(message, path, motion.rotation_of(message.orientation), angle)
         for number, part in enumerate(part for part in message.markers if part.type in DRAW):
             node = f"{path}/{number}"
             # A marker with a frame of its own stays where that frame is now.
@@ -460,7 +442,7 @@ class SceneMarker:
                 scene.set_object(f"{node}/{name}", drawable)
         return control
 
-    def _set_pose(self, header: Message, pose: Message) -> None:
+    def _set_pose(self, header: motion.Message, pose: motion.Message) -> None:
         """Set the pose. With a stamp it is fixed; without one it moves with its frame."""
         frames, stamp_ns = self._context.frames, nanoseconds(header.stamp)
         self._frame, self._is_locked = header.frame_id, not stamp_ns
@@ -488,7 +470,7 @@ class SceneMarker:
             problem = f"Error getting time of latest transform between {self._frame} and {frames.fixed_frame}"
             self._statuses.set("error", self.message.name, problem)
             return
-        camera = axes_of(scene.camera) @ reference[:3, :3]
+        camera = motion.axes_of(scene.camera) @ reference[:3, :3]
         if changed or not np.array_equal(reference, self._reference):
             scene.set_transform(self.path, reference)
             changed = True
@@ -510,7 +492,7 @@ def _transform_point(transform: Matrix, point: Floats) -> Floats:
     return transformed
 
 
-def _write_point(point: Message, numbers: Floats) -> None:
+def _write_point(point: motion.Message, numbers: Floats) -> None:
     point.x, point.y, point.z = map(float, numbers)
 
 
@@ -588,7 +570,7 @@ class InteractiveMarkersDisplay(Display):
         for marker in self.markers.values():
             marker.update()
 
-    def message_at(self, path: str) -> Message:
+    def message_at(self, path: str) -> motion.Message:
         """Return the interactive marker that an object was drawn from."""
         marker = self._marker_at(path)
         return None if marker is None else marker.message
@@ -606,7 +588,7 @@ class InteractiveMarkersDisplay(Display):
         if order.button == _LEFT:
             _drag(marker, control, order)
         mode = control.message.interaction_mode
-        is_asked = order.button == _RIGHT or (order.button == _LEFT and mode == MENU)
+        is_asked = order.button == _RIGHT or (order.button == _LEFT and mode == motion.MENU)
         if order.event != "up" or not is_asked:
             return ()
         marker.open_menu(control, point)
@@ -656,11 +638,11 @@ class InteractiveMarkersDisplay(Display):
         for name in list(self.markers):
             self._erase(name)
 
-    def _begin(self, markers: Iterable[Message]) -> None:
+    def _begin(self, markers: Iterable[motion.Message]) -> None:
         self._clear()
         self._show(markers)
 
-    def _follow(self, update: Message) -> None:
+    def _follow(self, update: motion.Message) -> None:
         self._show(update.markers)
         self._move(update.poses)
         for name in update.erases:
@@ -672,7 +654,7 @@ class InteractiveMarkersDisplay(Display):
         if marker is not None:
             self.context.scene.delete(marker.path)
 
-    def _show(self, markers: Iterable[Message]) -> None:
+    def _show(self, markers: Iterable[motion.Message]) -> None:
         for message in markers:
             if not all(map(isfinite, _numbers(message))):
                 self.statuses.set("error", message.name, "Marker contains invalid floats!")
@@ -688,7 +670,7 @@ class InteractiveMarkersDisplay(Display):
                 self.markers[message.name].show(message)
                 self._apply_visibility(self.markers[message.name])
 
-    def _move(self, poses: Iterable[Message]) -> None:
+    def _move(self, poses: Iterable[motion.Message]) -> None:
         for message in poses:
             if not all(map(isfinite, _pose_numbers(message.pose))):
                 self.statuses.set("error", message.name, "Pose message contains invalid floats!")
@@ -705,7 +687,7 @@ class InteractiveMarkersDisplay(Display):
         if self._client is not None:
             self._client.stop(reason)
 
-    def _send(self, feedback: Message) -> None:
+    def _send(self, feedback: motion.Message) -> None:
         if self._client is not None:
             self._client.send(feedback)
 
@@ -727,23 +709,23 @@ def _drag(marker: SceneMarker, control: SceneControl, order: UseControl) -> None
         marker.release(control, point)
 
 
-def _pointer(order: UseControl) -> Pointer:
+def _pointer(order: UseControl) -> motion.Pointer:
     """Return the pointer of a page's order, in the fixed frame."""
     direction = np.array(order.direction)
     if not direction.any() or order.pixel <= 0:
         raise CourseError(
             f"The page's ray {order.direction} with pixels of {order.pixel} m has no direction."
         )
-    return Pointer(
+    return motion.Pointer(
         origin=np.array(order.origin),
         direction=direction / np.linalg.norm(direction),
-        axes=axes_of(Camera(order.eye, order.target, order.up)),
+        axes=motion.axes_of(Camera(order.eye, order.target, order.up)),
         pixel=order.pixel,
         flat=bool(order.scale),
     )
 
 
-def _items(entries: Iterable[Message]) -> Iterator[MenuItem]:
+def _items(entries: Iterable[motion.Message]) -> Iterator[MenuItem]:
     """Yield the entries of a menu, each one before its submenu."""
     entries = list(entries)
     visited = {0}
@@ -760,12 +742,12 @@ def _items(entries: Iterable[Message]) -> Iterator[MenuItem]:
     return below(0, 0)
 
 
-def _pose_numbers(pose: Message) -> tuple[float, ...]:
+def _pose_numbers(pose: motion.Message) -> tuple[float, ...]:
     p, q = pose.position, pose.orientation
     return p.x, p.y, p.z, q.x, q.y, q.z, q.w
 
 
-def _numbers(message: Message) -> Iterator[float]:
+def _numbers(message: motion.Message) -> Iterator[float]:
     """Yield the numbers of an interactive marker that RViz checks."""
     yield from (*_pose_numbers(message.pose), message.scale)
     for control in message.controls:

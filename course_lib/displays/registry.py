@@ -32,39 +32,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from course_lib.displays.clouds import (
-    DepthCloudDisplay,
-    FluidPressureDisplay,
-    IlluminanceDisplay,
-    LaserScanDisplay,
-    PointCloud2Display,
-    PointCloudDisplay,
-    RelativeHumidityDisplay,
-    TemperatureDisplay,
-)
+from course_lib.displays import clouds, images, simple
 from course_lib.displays.display import Context, Display, DrawnDisplay
-from course_lib.displays.images import CameraDisplay, CameraInfoDisplay, ImageDisplay
 from course_lib.displays.interactive import InteractiveMarkersDisplay
 from course_lib.displays.map import MapDisplay
 from course_lib.displays.markers import MarkerArrayDisplay, MarkerDisplay
 from course_lib.displays.properties import Property, color, flag, integer, number, text, vector, words
 from course_lib.displays.robot_model import RobotModelDisplay
 from course_lib.displays.shapes import placement, rgba_of
-from course_lib.displays.simple import (
-    AccelStampedDisplay,
-    EffortDisplay,
-    GridCellsDisplay,
-    OdometryDisplay,
-    PathDisplay,
-    PointStampedDisplay,
-    PolygonDisplay,
-    PoseArrayDisplay,
-    PoseDisplay,
-    PoseWithCovarianceDisplay,
-    RangeDisplay,
-    TwistStampedDisplay,
-    WrenchDisplay,
-)
 from course_lib.displays.tf import AxesDisplay, GridDisplay, TfDisplay
 from course_lib.errors import CourseError
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Shape, Solids, Text
@@ -74,38 +49,38 @@ PACKAGE = "rviz_default_plugins"
 REGISTRY: dict[str, type[Display]] = {
     display.class_name: display
     for display in (
-        AccelStampedDisplay,
+        simple.AccelStampedDisplay,
         AxesDisplay,
-        CameraDisplay,
-        CameraInfoDisplay,
-        DepthCloudDisplay,
-        EffortDisplay,
-        FluidPressureDisplay,
-        GridCellsDisplay,
+        images.CameraDisplay,
+        images.CameraInfoDisplay,
+        clouds.DepthCloudDisplay,
+        simple.EffortDisplay,
+        clouds.FluidPressureDisplay,
+        simple.GridCellsDisplay,
         GridDisplay,
-        IlluminanceDisplay,
-        ImageDisplay,
+        clouds.IlluminanceDisplay,
+        images.ImageDisplay,
         InteractiveMarkersDisplay,
-        LaserScanDisplay,
+        clouds.LaserScanDisplay,
         MapDisplay,
         MarkerArrayDisplay,
         MarkerDisplay,
-        OdometryDisplay,
-        PathDisplay,
-        PointCloudDisplay,
-        PointCloud2Display,
-        PointStampedDisplay,
-        PolygonDisplay,
+        simple.OdometryDisplay,
+        simple.PathDisplay,
+        clouds.PointCloudDisplay,
+        clouds.PointCloud2Display,
+        simple.PointStampedDisplay,
+        simple.PolygonDisplay,
         RobotModelDisplay,
-        TemperatureDisplay,
+        clouds.TemperatureDisplay,
         TfDisplay,
-        PoseArrayDisplay,
-        PoseDisplay,
-        PoseWithCovarianceDisplay,
-        RangeDisplay,
-        RelativeHumidityDisplay,
-        TwistStampedDisplay,
-        WrenchDisplay,
+        simple.PoseArrayDisplay,
+        simple.PoseDisplay,
+        simple.PoseWithCovarianceDisplay,
+        simple.RangeDisplay,
+        clouds.RelativeHumidityDisplay,
+        simple.TwistStampedDisplay,
+        simple.WrenchDisplay,
     )
 }
 

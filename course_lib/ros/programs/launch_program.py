@@ -22,43 +22,23 @@ from types import ModuleType
 from typing import Any, NoReturn, cast
 
 from ament_index_python.packages import PackageNotFoundError
+from launch import events
 from launch.actions import IncludeLaunchDescription, declared
 from launch.conditions import InvalidConditionExpressionError
 from launch.entities import Action, Entities, Event, LaunchContext, Substitution, listed, text_of
 from launch.event_handlers import OnProcessIO
-from launch.events import (
-    ProcessExited,
-    ProcessStarted,
-    ProcessStderr,
-    ProcessStdout,
-    Shutdown,
-    ShutdownProcess,
-    SignalProcess,
-)
 from launch.launch_description_sources import LaunchDescriptionSource
 
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import THREADS, current_graph, program
 from course_lib.ros.hints import hint
-from course_lib.ros.programs import import_path
+from course_lib.ros.programs import import_path, packages
 from course_lib.ros.programs.package_programs import (
     Executables,
     find_component,
     find_executable,
     prepend_to_path,
     unload_packages,
-)
-from course_lib.ros.programs.packages import (
-    INSTALLED,
-    NotHereError,
-    is_tolerant,
-    missing_share_folder,
-    prepend_paths,
-    python_path,
-    reason_in,
-    source,
-    tolerate_missing,
-    unavailable_reason,
 )
 from course_lib.ros.programs.process import INTERRUPTED, Function, Process, Processes, Program
 from course_lib.ros.time.time_lock import DeadlockError, ShutDown, time_lock
@@ -77,10 +57,10 @@ class AbsentModules(Loader):
     ) -> ModuleSpec | None:
         """While a launch file is read, find a module of a package that is known not to run here."""
         package = name.partition(".")[0]
-        reason = unavailable_reason(package) if is_tolerant() else ""
+        reason = packages.unavailable_reason(package) if packages.is_tolerant() else ""
         if not reason:
             return None
-        missing_share_folder(package, f"package '{package}' not found: {reason}")
+        packages.missing_share_folder(package, f"package '{package}' not found: {reason}")
         return ModuleSpec(name, cls(), is_package=True)
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:
@@ -113,7 +93,7 @@ class Placeholder(Action, Substitution):
     def visit(self, context: LaunchContext) -> NoReturn:
         """Raise the error that makes the launch skip the action."""
         package = self.origin.partition(".")[0]
-        raise NotHereError(f"package '{package}' not found: {unavailable_reason(package)}")
+        raise packages.NotHereError(f"package '{package}' not found: {packages.unavailable_reason(package)}")
 
     def perform(self, context: LaunchContext) -> NoReturn:
         """Raise the error that makes the launch skip the action that uses the placeholder."""
@@ -143,7 +123,7 @@ class Placeholder(Action, Substitution):
     __radd__ = __truediv__ = __rtruediv__ = __or__ = __ror__ = __add__
 
     def __fspath__(self) -> str:
-        return str(INSTALLED / self.origin.partition(".")[0])
+        return str(packages.INSTALLED / self.origin.partition(".")[0])
 
     __str__ = __fspath__
 
@@ -309,7 +289,10 @@ class LaunchProgram(Process):
         """Execute the launch description and handle its events until all processes have ended."""
         unload_packages()
         self.log("INFO", "launch", "Default logging verbosity is set to INFO")
-        with self._prefixes.prefix_output(), tolerate_missing(None if self._is_strict else self._absent):
+        with (
+            self._prefixes.prefix_output(),
+            packages.tolerate_missing(None if self._is_strict else self._absent),
+        ):
             is_over = False
             try:
                 self._due_actions.append(self._begin)
@@ -330,7 +313,7 @@ class LaunchProgram(Process):
         for package, reason in self._absent.items():
             # A launch file may look up the folder of a simulator that it then does not start.
             is_of_kit = any(package == owner for owner, _ in self._kit_executables)
-            if reason not in reasons and not is_of_kit and not unavailable_reason(package):
+            if reason not in reasons and not is_of_kit and not packages.unavailable_reason(package):
                 self.log("WARNING", "launch", f"{reason} Nothing of '{package}' is used.")
                 self._skipped[None] = reason
 
@@ -354,8 +337,8 @@ class LaunchProgram(Process):
     ) -> None:
         """Start an executable. Raise a CourseError if there is none."""
         arguments = list(arguments)
-        if reason := reason_in(" ".join(arguments)):
-            raise NotHereError(reason)
+        if reason := packages.reason_in(" ".join(arguments)):
+            raise packages.NotHereError(reason)
         for argument in arguments:
             if match := _OBJECT.search(argument):
                 # An f-string with a substitution; ROS passes this string without a warning.
@@ -406,7 +389,7 @@ class LaunchProgram(Process):
         action.process_details = {"name": name, "pid": pid, "cmd": process.argv}
         self._processes.start(process)
         self.log("INFO", name, f"process started with pid [{pid}]")
-        self.emit(ProcessStarted(action, name, pid, process.argv))
+        self.emit(events.ProcessStarted(action, name, pid, process.argv))
 
     def later(self, seconds: float, entities: Entities) -> None:
         """Visit entities after `seconds` of robot time [s]."""
@@ -424,7 +407,11 @@ class LaunchProgram(Process):
     def emit(self, event: Event) -> None:
         """Queue an event for the event handlers. A Shutdown then ends all processes."""
         cause = getattr(self._context.locals, "event", None)
-        if isinstance(event, Shutdown) and isinstance(cause, ProcessExited) and cause.action in self._skipped:
+        if (
+            isinstance(event, events.Shutdown)
+            and isinstance(cause, events.ProcessExited)
+            and cause.action in self._skipped
+        ):
             # The process has not exited, it was never started.
             return
         self._due_actions.append(partial(self._handle, event))
@@ -436,11 +423,11 @@ class LaunchProgram(Process):
             self._context.locals.event = event
             self._visit(handler.handle(event, self._context))
             del self._context.locals.event
-        if isinstance(event, Shutdown):
+        if isinstance(event, events.Shutdown):
             self._shut_down()
-        elif isinstance(event, ShutdownProcess | SignalProcess):
+        elif isinstance(event, events.ShutdownProcess | events.SignalProcess):
             # A SignalProcess may send a signal that does not end the process.
-            number = event.signal_number if isinstance(event, SignalProcess) else signal.SIGINT
+            number = event.signal_number if isinstance(event, events.SignalProcess) else signal.SIGINT
             if (number if isinstance(number, str) else signal.Signals(number).name) in _ENDS:
                 matching = [n for n, (action, _) in enumerate(self._started) if event.process_matcher(action)]
                 self._processes.interrupt(matching)
@@ -450,7 +437,7 @@ class LaunchProgram(Process):
         if any(isinstance(handler, OnProcessIO) for handler in self._context.handlers):
             pid = int(name.rpartition("-")[2])
             action, process = self._started[pid - 1]
-            kind = ProcessStderr if number == 2 else ProcessStdout
+            kind = events.ProcessStderr if number == 2 else events.ProcessStdout
             self.emit(kind(action, name, pid, process.argv, text.encode(), number))
 
     def log(self, level: str, name: str, text: str) -> None:
@@ -501,8 +488,8 @@ class LaunchProgram(Process):
         is_known = action in self._skipped or len(self._skipped) > _MAX_SKIPPED
         self._skipped[action] = reason
         if action.continues and not is_known:
-            self.emit(ProcessStarted(action))
-            self.emit(ProcessExited(action))
+            self.emit(events.ProcessStarted(action))
+            self.emit(events.ProcessExited(action))
             self._due_actions.append(partial(self._context.complete, action))
 
     def _run_until_done(self) -> None:
@@ -526,7 +513,7 @@ class LaunchProgram(Process):
                         self._due_actions.pop(0)()
                 return
             except KeyboardInterrupt:
-                self.emit(Shutdown("ctrl-c (SIGINT)", due_to_sigint=True))
+                self.emit(events.Shutdown("ctrl-c (SIGINT)", due_to_sigint=True))
             except DeadlockError:
                 self._shut_down()
                 self._run_until_done()
@@ -536,13 +523,13 @@ class LaunchProgram(Process):
             except Exception as error:
                 if not isinstance(error, _COMPLAINTS) and line_of_traceback(error.__traceback__):
                     # A line of the launch file, which the traceback shows, raised the error.
-                    if reason := reason_in(str(error)):
+                    if reason := packages.reason_in(str(error)):
                         error.add_note(f"hint: {reason}")
                     raise
                 has_own_text = isinstance(error, (*_COMPLAINTS, TypeError, ValueError))
                 text = str(error) if has_own_text else f"{type(error).__name__}: {error}"
                 # The launch file itself reads a file of a missing package.
-                if isinstance(error, OSError) and (reason := reason_in(text)):
+                if isinstance(error, OSError) and (reason := packages.reason_in(text)):
                     text = f"{text}: {reason}"
                 location = getattr(error, "launch_place", None)
                 # An action that rejects its arguments has no location yet: its line is in the
@@ -575,7 +562,7 @@ class LaunchProgram(Process):
             else:
                 self.log("INFO", name, f"process has finished cleanly [pid {pid}]")
             self.exit_code = self.exit_code or code
-            self.emit(ProcessExited(action, name, pid, process.argv, code))
+            self.emit(events.ProcessExited(action, name, pid, process.argv, code))
             self._due_actions.append(partial(self._context.complete, action))
         return self._reported_ends < len(self._started)
 
@@ -596,29 +583,29 @@ class _LaunchedProcess(Function):
     def run(self) -> None:
         """Run the process to its end. A missing package is an error here."""
         unload_absent_modules()
-        with self._prefixes.of_process(self.file.name), tolerate_missing(None):
+        with self._prefixes.of_process(self.file.name), packages.tolerate_missing(None):
             super().run()
 
 
 def prepare_imports(file: Path) -> None:
     """Add the packages of a launch file's workspace to the paths, and prepare its imports."""
-    source(file)
-    prepend_to_path(python_path(file))
+    packages.source(file)
+    prepend_to_path(packages.python_path(file))
     install_placeholders()
     for name in _SET_BY_SETUP:
         os.environ.setdefault(name, "")
     # For launch files that run xacro as a subprocess: its command, and the packages of $(find …).
-    prepend_paths("PATH", [Path(sysconfig.get_path("scripts"))])
-    prepend_paths("PYTHONPATH", [import_path.STANDIN])
+    packages.prepend_paths("PATH", [Path(sysconfig.get_path("scripts"))])
+    packages.prepend_paths("PYTHONPATH", [import_path.STANDIN])
 
 
 def _skip_reason(entity: object, error: Exception) -> str:
     """Return why the launch continues without an entity; "" if the launch file itself is wrong."""
-    if isinstance(error, NotHereError | PackageNotFoundError):
+    if isinstance(error, packages.NotHereError | PackageNotFoundError):
         return str(error)
     if isinstance(entity, IncludeLaunchDescription) and isinstance(error, ModuleNotFoundError):
         return hint(error) or str(error)
-    return reason_in(str(error))
+    return packages.reason_in(str(error))
 
 
 def arguments_of(file: Path) -> str:
@@ -627,7 +614,7 @@ def arguments_of(file: Path) -> str:
     Raise a CourseError for any other file.
     """
     try:
-        with tolerate_missing({}):
+        with packages.tolerate_missing({}):
             return LaunchProgram(file, (), {}).arguments()
     except _COMPLAINTS as error:
         raise CourseError(f"{file}: {error}") from error
