@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+import lifecycle_msgs.srv
 from launch.actions import (
     NO_DIFFERENCE,
     EmitEvent,
@@ -23,7 +24,6 @@ from launch.conditions import as_bool
 from launch.entities import Action, BaseEventHandler, Condition, LaunchContext, Reaction, text_of
 from launch.entities import SomeSubstitutionsType as Some
 from launch.events import ProcessExited
-from lifecycle_msgs import srv
 from lifecycle_msgs.msg import Transition, TransitionEvent
 
 from course_lib.ros.graph.graph import NodesOfProgram, current_graph
@@ -151,7 +151,7 @@ class _LifecycleLink:
             client, number = SERVICE_HEADER.unpack_from(data)
             if client != self._id:
                 return
-            response = deserialize(data[SERVICE_HEADER.size :], srv.ChangeState.Response)
+            response = deserialize(data[SERVICE_HEADER.size :], lifecycle_msgs.srv.ChangeState.Response)
             if not response.success:
                 on_rejection(self._requested[number - 1])
 
@@ -165,7 +165,7 @@ class _LifecycleLink:
         """Request a transition. Return False if the node's service is not available."""
         if not any(end.kind == "sub" for end in self._graph.endpoints_on(self._request_topic)):
             return False
-        request = srv.ChangeState.Request(transition=Transition(id=transition))
+        request = lifecycle_msgs.srv.ChangeState.Request(transition=Transition(id=transition))
         self._requested.append(transition)
         header = SERVICE_HEADER.pack(self._id, len(self._requested))
         self._graph.publish(self._id, header + serialize(request))
