@@ -11,6 +11,7 @@ import os
 import platform
 import resource
 import signal
+import stat
 import struct
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -119,6 +120,8 @@ REFUSED = {
     "setuid": (105, 146), "setgid": (106, 144), "setreuid": (113, 145), "setregid": (114, 143),
     "setresuid": (117, 147), "setresgid": (119, 149), "setfsuid": (122, 151), "setfsgid": (123, 152),
     "setgroups": (116, 159), "capset": (126, 91),
+    # A file in a message that was not received yet is in no list of open files.
+    "sendmsg": (46, 211), "sendmmsg": (307, 269),
     "ioperm": (173, None), "iopl": (172, None), "modify_ldt": (154, None),
 }  # fmt: skip
 # Socket pairs are allowed: they have no network access, and asyncio needs one.
@@ -143,6 +146,7 @@ BY_ARGUMENT = (
     # A process id other than 0 (the caller): prlimit64, sched_setaffinity, _setscheduler,
     # _setparam, _setattr.
     *((call, 0, IF_AT_LEAST, (1,)) for call in ((302, 261), (203, 122), (144, 119), (142, 118), (314, 274))),
+    ((157, 167), 0, IF_EQUAL, (DUMPABLE,)),  # prctl: it would hide the open files from the template
     ((72, 25), 1, IF_EQUAL, (8, 10, 15)),  # fcntl: F_SETOWN, _SETSIG, _SETOWN_EX make the kernel send signals
     # ioctl: likewise, and TIOCSTI injects input into a terminal
     ((16, 29), 1, IF_EQUAL, (0x8901, 0x8902, 0x5412)),
@@ -307,6 +311,7 @@ MEGABYTE = 2**20
 OPEN_FILES = 128
 SPARE_SECONDS = 10  # [s] CPU time beyond the wall-clock limit, which is reached first
 EVERY = 0.05  # [s] interval of the checks of all files and of all processes together
+KILLED_FROM = 4  # size of all files, as a multiple of their limit, from which a submission is killed
 PAGE_FAULTS = 7  # index of the minor page faults in /proc/PID/stat, counted after the name
 
 
@@ -346,14 +351,15 @@ def _threads_of(user: int) -> int:
 
 
 def stop_writing(folder: str, megabytes: float) -> tuple[Usage, Excess | None]:
-    """Forbid descendants to write more if the folder far exceeds its limit.
+    """Forbid descendants to write more if their files far exceed the limit.
 
     Returns:
-        The size of the folder, and why the descendants must be killed: files that are empty or
-        small can't be forbidden otherwise.
+        The size of the files, and why the descendants must be killed: files that are empty or
+        small, and writing to mapped files, can't be forbidden otherwise.
     """
     size, count = _folder_size(folder)
-    usage = Usage(files_megabytes=round(size / 2**20, 1))
+    size += _deleted_files_size(os.getpid(), folder, megabytes * MEGABYTE)
+    usage = Usage(files_megabytes=round(size / MEGABYTE, 1))
     if usage.exceeds_by_far(megabytes):
         for pid in descendants(os.getpid()):
             with suppress(ProcessLookupError):
@@ -363,7 +369,37 @@ def stop_writing(folder: str, megabytes: float) -> tuple[Usage, Excess | None]:
                 except PermissionError:
                     # Not permitted for a process with another real user id.
                     os.kill(pid, signal.SIGKILL)
-    return usage, Excess("size", f"it wrote more than {INODES} files") if count > INODES else None
+    if count > INODES:
+        return usage, Excess("size", f"it wrote more than {INODES} files")
+    if usage.files_megabytes > KILLED_FROM * megabytes:
+        message = f"its files together had {usage.files_megabytes:,.0f} MB, more than {megabytes:,.0f} MB"
+        return usage, Excess("size", message)
+    return usage, None
+
+
+def _deleted_files_size(pid: int, folder: str, max_size: float) -> int:
+    """Return the size of deleted files that a process's descendants still use [B]; no folder lists them.
+
+    The size of a file that is mapped but not open can't be read, so it counts as `max_size`.
+    """
+    sizes = dict[tuple[int, int], float]()
+    is_listed = f" {folder.rstrip('/')}/".encode()
+    for process in descendants(pid):
+        # Each thread can have open files of its own. The process may have just ended.
+        with suppress(OSError):
+            for task in os.scandir(f"/proc/{process}/task"):
+                for entry in os.scandir(f"{task.path}/fd"):
+                    with suppress(OSError):
+                        status = os.stat(entry.path)
+                        if stat.S_ISREG(status.st_mode) and status.st_nlink == 0:
+                            sizes[status.st_dev, status.st_ino] = status.st_blocks * 512
+            for line in Path(f"/proc/{process}/maps").read_bytes().splitlines():
+                if line.endswith(b" (deleted)") and is_listed in line:
+                    _, _, _, device, inode, _ = line.split(maxsplit=5)
+                    major, _, minor = device.partition(b":")
+                    number = os.makedev(int(major, 16), int(minor, 16)), int(inode)
+                    sizes.setdefault(number, max_size)
+    return round(sum(sizes.values()))
 
 
 def check_memory(pid: int, inherited_bytes: int, megabytes: float) -> Excess | None:

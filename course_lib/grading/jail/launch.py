@@ -394,9 +394,13 @@ SIGNALLED = 128  # bubblewrap's exit status for a process killed by a signal, mi
 PIPE_HOLDS = 2**20  # [B] pipe size for a submission's output
 BUBBLEWRAP = (
     "--die-with-parent --new-session --unshare-pid --unshare-net --unshare-ipc --unshare-uts "
-    "--proc /proc --dev /dev --perms 0755 --tmpfs /submission"
+    "--proc /proc --dev /dev"
 )
-BECOME_ANOTHER = "--cap-drop ALL --cap-add CAP_SETUID --cap-add CAP_SETGID"
+# Where Landlock does not work, a submission could otherwise leave files, or modules on the path of
+# Python, that the next one finds. Only the scratch folder is emptied.
+READ_ONLY = "--remount-ro /dev --remount-ro /"
+# The template of root lists the open files of processes with another real user id.
+BECOME_ANOTHER = "--cap-drop ALL --cap-add CAP_SETUID --cap-add CAP_SETGID --cap-add CAP_SYS_PTRACE"
 THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
@@ -601,8 +605,9 @@ def _bubblewrap(program: str, files: ReadablePaths) -> list[str]:
         *binds,
         "--perms",
         "0777",
-        "--dir",
+        "--tmpfs",
         INSIDE,
+        *READ_ONLY.split(),
         *identity_options,
         "--",
     ]

@@ -77,7 +77,8 @@ def enter_jail(place: JailEnvironment, layers: Collection[str], limits: Limits) 
         # An additional protection if the system supports it.
         with suppress(OSError):
             filters.drop_capabilities()
-            filters.prctl(filters.DUMPABLE, 0)
+            # Without namespaces, the template must be able to list the open files.
+            filters.prctl(filters.DUMPABLE, int("namespaces" not in layers))
             filters.prctl(filters.NO_NEW_PRIVILEGES, 1)
     if "Landlock" in layers:
         _restrict_files(place, folder)

@@ -36,6 +36,8 @@ ATTACKS = {
     "a signal": "os.kill({pid}, 0)",
     "a datagram": "socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)",
     "a signal by a file": "fcntl.fcntl(0, fcntl.F_SETOWN, {pid})",
+    "a file in a message": "socket.send_fds(socket.socketpair()[0], [b'x'], [0])",
+    "hidden files": "libc.prctl(4, 0, 0, 0, 0) and 1 / 0",
     "the mode of a file": "[os.chmod('own', 0o700), os.stat('own').st_mode & 0o100 or 1 / 0]",
     "another user": "os.setresuid(0, 0, 0)",
     "memory in files": "libc.memfd_create(b'x', 0) >= 0 or 1 / 0",
@@ -63,7 +65,7 @@ FILES = {"a file of the user", "the listing of a folder", *SEEN}
 NETWORK = {"a socket", "a connection"}
 CALLS = {
     "another program", "a datagram", "a signal by a file", "the mode of a file", "memory in files",
-    "another user",
+    "another user", "a file in a message", "hidden files",
 }  # fmt: skip
 BUBBLEWRAP = "bubblewrap"
 OPEN = {  # disabled layers: remaining layers
@@ -203,6 +205,76 @@ def test_total_size_of_scratch_files_is_limited() -> None:
         with closing(SubmissionRun(cells, {ANSWER.id: {}}, limits, template)) as session:
             assert session.run(ANSWER, ANSWER.scenarios[0]).returns == (1,)
         assert session.log.limit == "size"
+
+
+HOLD_DELETED_FILES = """
+import mmap, os
+kept = []
+def delete(name):
+    file = os.open(name, os.O_CREAT | os.O_RDWR)
+    os.unlink(name)
+    return file
+def hold(number):
+    if {way!r} == "unnamed":
+        file = os.open(".", os.O_TMPFILE | os.O_RDWR)
+    else:
+        file = delete(f"f{{number}}")
+    for _ in range(15):
+        os.write(file, bytes(2**20))
+    if {way!r} == "mapped":
+        kept.append(mmap.mmap(file, 4096))
+        os.close(file)
+for number in range(60):
+    hold(number)
+    begin = os.times().elapsed
+    while os.times().elapsed < begin + 0.05: pass
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", ["open", "mapped", "unnamed"])
+@pytest.mark.parametrize("off", [(BUBBLEWRAP, "namespaces"), ("namespaces", "Landlock")], ids=" ".join)
+def test_total_size_of_deleted_files_is_limited(off: tuple[str, ...], way: str) -> None:
+    cells = [HOLD_DELETED_FILES.format(way=way), "answer = 1"]
+    with closing(TemplateProcess(off)) as template:
+        session = SubmissionRun(cells, {ANSWER.id: {}}, Limits(scratch_megabytes=16), template)
+        with closing(session):
+            assert session.run(ANSWER, ANSWER.scenarios[0]).returns == (1,)
+    assert session.log.limit == "size"
+    assert 32 < session.usage.files_megabytes < 160
+
+
+LEAVE_FILES = """
+import os
+folders = ["/", "/dev", "/dev/shm", "/submission", "/submission/home", {modules!r}]
+for folder in folders:
+    try:
+        with open(f"{{folder}}/left_behind.py", "w") as file:
+            file.write("answer = 'left'")
+    except OSError:
+        pass
+"""
+FIND_FILES = """
+import os
+from importlib.util import find_spec
+places = [folder for folder in folders if os.path.exists(f"{{folder}}/left_behind.py")]
+answer = [*places, *[spec.origin for spec in [find_spec("left_behind")] if spec]]
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "off", [(), ("namespaces",), ("namespaces", "Landlock"), (BUBBLEWRAP, "Landlock")], ids=" ".join
+)
+def test_submission_finds_no_files_of_the_previous_one(off: tuple[str, ...]) -> None:
+    leave = LEAVE_FILES.format(modules=os.path.dirname(launch.KIT))
+    folders = leave.partition("for folder")[0]
+    with closing(TemplateProcess(off)) as template:
+        for cells in ([leave, "answer = []"], [folders + FIND_FILES.format()]):
+            with closing(SubmissionRun(cells, {ANSWER.id: {}}, Limits(), template)) as session:
+                evidence = session.run(ANSWER, ANSWER.scenarios[0])
+            assert session.log.errors == []
+            assert evidence.returns == ([],)
 
 
 @pytest.mark.slow
