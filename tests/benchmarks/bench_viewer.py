@@ -75,16 +75,18 @@ class Measurement:
 
 def measurements() -> Iterator[Measurement]:
     """Yield the measurements."""
-    yield Measurement("transforms, page follows, drawing stubbed", "1/s", partial(speed, drawn=False), False)
-    yield Measurement("transforms, page follows, drawn", "1/s", partial(speed, drawn=True), False)
+    yield Measurement(
+        "transforms, followed by a page, drawing stubbed", "1/s", partial(speed, drawn=False), False
+    )
+    yield Measurement("transforms, followed by a page, drawn", "1/s", partial(speed, drawn=True), False)
     each = partial(speed, drawn=True, how="move_each")
     yield Measurement("transforms, each one sent, drawn", "1/s", each, False)
     yield Measurement("Python CPU per transform", "µs", cpu)
     for robot in ("ur10", "talos"):
         yield Measurement(f"Pinocchio's display(q), {robot}", "1/s", partial(displays, name=robot), False)
     for count in (100_000, 1_000_000):
-        yield Measurement(f"{count:,} points to screen", "s", partial(cloud, count=count))
-    yield Measurement("pictures of a robot of 80,000 triangles that moves", "1/s", frames, False)
+        yield Measurement(f"time to show {count:,} points", "s", partial(cloud, count=count))
+    yield Measurement("frames of a moving robot of 80,000 triangles", "1/s", frames, False)
     yield Measurement("program start to first picture", "s", first_picture)
     yield Measurement("bytes for 20 viewers on a page", "kB", twenty)
 

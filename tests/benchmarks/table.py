@@ -11,14 +11,15 @@ from pathlib import Path
 
 import psutil
 
-COLUMNS = ("measurement", "unit", "course_lib", "peer", "of the peer", "times better")
+COLUMNS = ("measurement", "unit", "course_lib", "peer", "value of the peer", "times better")
 PAGE = """# Benchmarks
 
 Printed by `python -m tests.benchmarks --write` on {day}: {machine},
 a load of {load:.1f} before the run. Versions: {versions}.
 
-Every row is measured in one run on one machine, the kit and its peers in turn. Absolute numbers depend on the
-machine. In the last column more than 1 means that the kit was better, less than 1 that the peer was.
+All rows were measured in one run on one machine, the kit and its peers in turn. Absolute numbers
+depend on the machine. In the last column, a number above 1 means that the kit was better, and a number
+below 1 that the peer was better.
 
 {table}
 """
