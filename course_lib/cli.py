@@ -139,7 +139,7 @@ def new(
     if kind == "course":
         root = new_course(title, Path.cwd())
         typer.echo(
-            f"{root} is a course. Go on there: pip install -e '.[test]' && course verify && course lab"
+            f"{root} is a course. Continue there: pip install -e '.[test]' && course verify && course lab"
         )
         return
     for path in new_week(kind, title, this_course()):

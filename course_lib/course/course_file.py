@@ -146,7 +146,7 @@ class CourseFile:
         groups = {normalise(name): tuple(map(normalise, ids)) for name, ids in self.groups.items()}
         for name in groups:
             if name in (one for ids in groups.values() for one in ids):
-                raise CourseError(f"groups: {name} is the name of a group and the ID of a student in one")
+                raise CourseError(f"groups: {name} is both the name of a group and the ID of a student")
         object.__setattr__(self, "groups", groups)
         names = (*self.weeks, *self.faults)
         if strange := [week for week in names if not re.fullmatch(r"week\d\d", week)]:

@@ -124,7 +124,9 @@ def stub(code: str) -> str:
     for line in code.splitlines():
         begin = BEGIN.match(line)
         if (begin and opened) or (line.strip() == END and not opened):
-            raise CourseError(f"{line.strip()!r} does not fit: '# solution: …', the answer, then {END!r}.")
+            raise CourseError(
+                f"{line.strip()!r} is in the wrong place: expected '# solution: …', the answer, then {END!r}."
+            )
         if begin:
             opened = line.strip()
             lines.append(f'{begin["indent"]}raise NotImplementedError("{begin["missing"]}")')

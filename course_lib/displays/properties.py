@@ -297,7 +297,7 @@ class PropertyHolder(KnownAttributes):
             raise CourseError(f"{self}: {label!r} may be {' or '.join(repr(p.label) for p in matches)}.")
         labels = [prop.label for prop in self.properties]
         similar = get_close_matches(label, labels, 3, 0.4) or labels
-        raise CourseError(f"{self} has no property {label!r}, but {', '.join(map(repr, similar))}.")
+        raise CourseError(f"{self} has no property {label!r}; it has {', '.join(map(repr, similar))}.")
 
 
 def _with_expectation(expectation: str, convert: Convert) -> Convert:

@@ -96,7 +96,7 @@ def export(
     files = {path: text.encode() for path, text in _file_texts(file, package, modules, extra).items()}
     for one in extra:
         if one.suffix not in _FOLDERS or not one.is_file():
-            raise CourseError(f"{one} cannot be included; give files that end in {', '.join(_FOLDERS)}.")
+            raise CourseError(f"{one} cannot be included; pass files that end in {', '.join(_FOLDERS)}.")
         files[f"{_FOLDERS[one.suffix]}/{one.name}"] = read_bytes(one)
     _write(files, out / package)
     notes = []
@@ -122,7 +122,7 @@ def _modules(file: Path, nodes: Sequence[str]) -> tuple[list[NodeModule], dict[s
     if not started or (reasons_by_class and nodes):
         reasons = "; ".join(f"{name}() {why}" for name, why in reasons_by_class.items())
         raise CourseError(
-            f"Nothing can start this: {reasons}. Give defaults, or make them parameters: "
+            f"No class can be started by itself: {reasons}. Give defaults, or make them parameters: "
             "self.declare_parameter(…)."
         )
     bindings = {one for module in started for part in module.statements for one in part.bindings}

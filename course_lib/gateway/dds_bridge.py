@@ -154,7 +154,7 @@ class DdsBridge:
             reason = f"the robot takes {' and '.join(accepted_types)} there"
         else:
             reason = "the robot has no subscription to it"
-        self._report_once(f"{reason} {topic}", f"Commands on {topic} of {type_name} are held back: {reason}.")
+        self._report_once(f"{reason} {topic}", f"Commands on {topic} of {type_name} are not sent: {reason}.")
         return False
 
     def publish(self, topic: str, type_name: str, cdr: bytes) -> None:

@@ -282,7 +282,7 @@ def open_router(settings: dict[str, Any], option: str = "--listen") -> zenoh.Ses
         # The rest of the message is a location in Zenoh's source code.
         reason = str(error).split(" at /")[0]
         raise CourseError(
-            f"Zenoh can't listen at {place}: {reason}. Is the port taken? {option} takes another."
+            f"Zenoh can't listen at {place}: {reason}. Is the port in use? Choose another one with {option}."
         ) from error
 
 
@@ -582,7 +582,7 @@ PAGE = """<!DOCTYPE html>
 <table><caption>Students</caption>
 <thead><tr><th scope="col">Student</th><th scope="col">Namespace</th><th scope="col">Connected</th>
 <th scope="col">Drives</th><th scope="col">Commands passed on</th>
-<th scope="col">Commands held back</th></tr></thead>
+<th scope="col">Blocked commands</th></tr></thead>
 <tbody>
 {rows}
 </tbody></table></body></html>

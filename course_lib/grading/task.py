@@ -225,7 +225,7 @@ class Task:
                 _require(self.kind == "launch", f"{subject} needs kind 'launch', which runs the launch file")
         for name, options in self.personal.items():
             subject = f"{self.id}: personal {name!r}: {options!r}, expected a tuple of options"
-            _require(isinstance(options, tuple) and options, f"{subject} (mind the last comma)")
+            _require(isinstance(options, tuple) and options, f"{subject} (one item needs a comma, too)")
         _require_tuple(f"{self.id}: ghost", self.ghost, Message)
         _require_tuple(f"{self.id}: rubric", self.rubric, Row)
         _require(
@@ -264,7 +264,7 @@ def _require_number(subject: str, value: Any) -> None:
 def _require_tuple(subject: str, value: Any, item_type: type) -> None:
     if not isinstance(value, tuple) or not all(isinstance(item, item_type) for item in value):
         raise CourseError(
-            f"{subject}: {value!r}, expected a tuple of {item_type.__name__} (mind the last comma)"
+            f"{subject}: {value!r}, expected a tuple of {item_type.__name__} (one item needs a comma, too)"
         )
 
 
@@ -377,7 +377,7 @@ def _load_week(exercises: Path, course: CourseFile, week: str) -> dict[str, Task
     path = exercises / "checks" / f"{week}.py"
     tasks_of_file = _run_check_file(path).get("TASKS")
     if not isinstance(tasks_of_file, tuple) or not all(isinstance(task, Task) for task in tasks_of_file):
-        raise CourseError(f"{path}: TASKS: expected a tuple of Task (mind the last comma)")
+        raise CourseError(f"{path}: TASKS: expected a tuple of Task (one item needs a comma, too)")
     ids = sorted(task.id for task in tasks_of_file)
     if ids != sorted(names):
         raise CourseError(f"{path} has the tasks {ids}, but course.toml has points for {sorted(names)}")

@@ -364,7 +364,7 @@ def _unpack_records(file: BinaryIO) -> Iterator[tuple[int, bytes]]:
 def _check_stamp(stamp_ns: int) -> None:
     """Raise a ValueError for a time above 63 bits, which MCAP can store but ROS cannot."""
     if stamp_ns >= 2**63:
-        raise ValueError(f"a message has the time {stamp_ns} ns, which is beyond the last time of ROS")
+        raise ValueError(f"a message has the time {stamp_ns} ns, which exceeds the largest time of ROS")
 
 
 def _decompress(compression: str, data: bytes) -> bytes:
@@ -507,7 +507,7 @@ def _check_bag(path: Path) -> None:
         return
     kind = "a folder" if path.is_dir() else "a file"
     raise CourseError(
-        f"{path} is {kind} but not a bag. Give the folder of a bag, which contains {METADATA}, or "
+        f"{path} is {kind} but not a bag. Pass the folder of a bag, which contains {METADATA}, or "
         "one of its files, .mcap or .db3."
     )
 

@@ -323,7 +323,7 @@ def joints_for(
     meters, degrees = np.linalg.norm(smallest_gap[:3]), np.degrees(np.linalg.norm(smallest_gap[3:]))
     place = ", ".join(f"{value:.2f}" for value in goal[:3, 3])
     raise CourseError(
-        f"{link} cannot be brought to ({place}) m in {robot.tree.root}, with this rotation: the "
+        f"{link} cannot reach ({place}) m in {robot.tree.root}, with this rotation: the "
         f"best pose found is {meters:.2f} m and {degrees:.0f}° away. Choose a pose closer to the "
         "arm, or drive there."
     )
@@ -459,7 +459,7 @@ def straight_line(
     poses = link_poses(robot, start)
     if link not in poses or not seconds > 0 or np.shape(goal) != (3,):
         raise CourseError(
-            f"{link=}, {goal=}, {seconds=}: give a link of {robot.name!r}, a point, and a time [s]."
+            f"{link=}, {goal=}, {seconds=}: expected a link of {robot.name!r}, a point, and a time [s]."
         )
     pose = poses[link]
     begin, way = pose[:3, 3].copy(), np.asarray(goal, float) - pose[:3, 3]
@@ -477,7 +477,7 @@ def straight_line(
         limit = robot.tree.joints[name].velocity
         if speed > limit:
             raise CourseError(
-                f"On this line {name} would move at {speed:.2f} rad/s, its limit is {limit:.2f}. "
+                f"On this line {name} would move at {speed:.2f} rad/s, but its limit is {limit:.2f}. "
                 "Give it more time, or choose another line."
             )
     points = [

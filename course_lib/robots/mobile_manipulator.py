@@ -241,7 +241,7 @@ class Wall:
         if not (
             np.isfinite([self.x, *self.y, *self.z]).all() and self.y[0] < self.y[1] and self.z[0] < self.z[1]
         ):
-            raise CourseError(f"{self} has no area; give x, (y from, y to) and (z from, z to), [m].")
+            raise CourseError(f"{self} has no area; pass x, (y from, y to) and (z from, z to), [m].")
 
     def coverage(
         self,
@@ -308,7 +308,9 @@ def _segments(stripes: Iterable[Points]) -> Iterator[Floats]:
     for stripe in stripes:
         points = np.asarray(stripe, float)
         if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
-            raise CourseError(f"A stripe has shape {points.shape}; give finite points x, y, z, shape (N, 3).")
+            raise CourseError(
+                f"A stripe has shape {points.shape}; expected finite points x, y, z, shape (N, 3)."
+            )
         yield from map(np.array, pairwise(points))
 
 

@@ -608,4 +608,4 @@ def _read(path: Path) -> str:
     try:
         return read_text(path)
     except (OSError, UnicodeDecodeError) as error:
-        raise CourseError(f"Cannot read {path}: {error}. Give a URDF file, or a name like 'ur10'.") from error
+        raise CourseError(f"Cannot read {path}: {error}. Pass a URDF file, or a name like 'ur10'.") from error

@@ -188,7 +188,7 @@ class CameraNode(SensorNode):
         **common: Unpack[SensorOptions],
     ) -> None:
         if compressed not in ("png", "jpeg", None):
-            raise CourseError(f"compressed is {compressed!r}; give 'png', 'jpeg' or None.")
+            raise CourseError(f"compressed is {compressed!r}; expected 'png', 'jpeg' or None.")
         self.pinhole, self.compressed = pinhole or Pinhole(), compressed
         super().__init__(
             world, pose, **(SensorOptions(name="camera", frame_id="camera_optical_frame") | common)

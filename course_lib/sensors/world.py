@@ -35,14 +35,14 @@ def check_number(
     if not (np.isfinite(number) and number > above and low <= number <= high):
         limits = ((">", above), (">=", low), ("<=", high))
         limit_text = " and ".join(f"{sign} {limit:g}" for sign, limit in limits if np.isfinite(limit))
-        raise CourseError(f"{name} is {value!r}; give a number{' ' + limit_text if limit_text else ''}.")
+        raise CourseError(f"{name} is {value!r}; expected a number{' ' + limit_text if limit_text else ''}.")
     return number
 
 
 def check_count(name: str, value: Any) -> int:
     """Return an integer of at least 1, or raise a CourseError."""
     if not isinstance(value, int | np.integer) or isinstance(value, bool) or value < 1:
-        raise CourseError(f"{name} is {value!r}; give a whole number, 1 or more.")
+        raise CourseError(f"{name} is {value!r}; expected a whole number, 1 or more.")
     return int(value)
 
 
@@ -61,14 +61,14 @@ def check_array(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
     try:
         array = np.array(value, float)
     except (TypeError, ValueError):
-        raise CourseError(f"{name} is {value!r}; give numbers of shape {shape}.") from None
+        raise CourseError(f"{name} is {value!r}; expected numbers of shape {shape}.") from None
     expected_shape = tuple(
         actual_size if want == -1 else want for actual_size, want in zip(array.shape, shape, strict=False)
     )
     if array.ndim != len(shape) or array.shape != expected_shape:
-        raise CourseError(f"{name} has shape {array.shape}; give numbers of shape {shape}.")
+        raise CourseError(f"{name} has shape {array.shape}; expected numbers of shape {shape}.")
     if not np.isfinite(array).all():
-        raise CourseError(f"{name} contains {array[~np.isfinite(array)][0]}; give finite numbers.")
+        raise CourseError(f"{name} contains {array[~np.isfinite(array)][0]}; expected finite numbers.")
     array.setflags(write=False)
     return array
 
@@ -99,7 +99,7 @@ def check_rays(value: ArrayLike) -> Floats:
     """Return unit vectors as columns, shape (3, N), N > 0, or raise a CourseError."""
     rays = np.asarray(value, float)
     if rays.ndim != 2 or rays.shape[0] != 3 or not rays.shape[1]:
-        raise CourseError(f"rays have shape {rays.shape}; give one or more as columns, shape (3, N).")
+        raise CourseError(f"rays have shape {rays.shape}; expected one or more as columns, shape (3, N).")
     square = np.einsum("ij,ij->j", rays, rays)
     # This comparison is false for NaN, so a ray with NaN is rejected, too.
     if not (np.abs(square - 1) <= 1e-6).all():
@@ -249,7 +249,7 @@ def straight(start: ArrayLike, goal: ArrayLike, speed: float) -> Callable[[float
     length = float(np.linalg.norm(end - begin))
     check_number("speed [m/s]", speed, above=0)
     if length == 0:
-        raise CourseError(f"start and goal are both {begin.tolist()}; give two different points.")
+        raise CourseError(f"start and goal are both {begin.tolist()}; expected two different points.")
     yaw = float(np.arctan2(*(end - begin)[1::-1]))
 
     def pose(seconds: float) -> Floats:
@@ -275,7 +275,7 @@ def circle(center: ArrayLike, radius: float, period: float) -> Callable[[float],
     x, y, z = check_array("center [m]", center, (3,))
     check_number("radius [m]", radius, above=0)
     if check_number("period [s]", period) == 0:
-        raise CourseError("period [s] is 0; give the time of a revolution, negative for clockwise.")
+        raise CourseError("period [s] is 0; expected the time of a revolution, negative for clockwise.")
 
     def pose(seconds: float) -> Floats:
         angle = 2 * np.pi * seconds / period
@@ -307,7 +307,7 @@ class Thing:
     def __post_init__(self) -> None:
         if not isinstance(self.shape, Shape):
             shape_forms = "box(x, y, z), sphere(radius), cylinder(radius, height) or plane()"
-            raise CourseError(f"shape is {self.shape!r}, which is not a shape; give {shape_forms}.")
+            raise CourseError(f"shape is {self.shape!r}, which is not a shape; expected {shape_forms}.")
         color = check_array("color", self.color, (3,))
         if color.min() < 0 or color.max() > 1:
             raise CourseError(f"color is {list(self.color)}; red, green and blue go from 0 to 1.")
@@ -347,7 +347,7 @@ class World:
     def __init__(self, things: Sequence[Thing]) -> None:
         for number, thing in enumerate(things):
             if not isinstance(thing, Thing):
-                raise CourseError(f"Number {number} of the world is {thing!r}; give Thing(shape, pose).")
+                raise CourseError(f"Number {number} of the world is {thing!r}; expected Thing(shape, pose).")
         self.things = tuple(things)
         self._reach = np.array([thing.shape.reach for thing in things], float)
         # Shape (M + 1, 3); index -1 is the sky.

@@ -61,7 +61,7 @@ def resume() -> None:
         return
     waiting = _cells_to_run(shell, _cells_above(shell))
     if not waiting:
-        print("All cells above have been run. Go on below.")  # noqa: T201  the cell's output
+        print("All cells above have been run. Continue below.")  # noqa: T201  the cell's output
         return
     failed = []
     with _resuming():
@@ -70,7 +70,7 @@ def resume() -> None:
             _resumed.add(cell.source)
             if fault:
                 failed.append(f"  In [{cell.number}]: {fault}")
-    lines = [f"Ran {format_count(len(waiting), 'cell')} above. Go on below."]
+    lines = [f"Ran {format_count(len(waiting), 'cell')} above. Continue below."]
     if failed:
         lines += ["Errors, as when you run these cells yourself:", *failed]
     print("\n".join(lines))  # noqa: T201  the cell's output
@@ -111,7 +111,7 @@ def _cells_above(shell: "InteractiveShell") -> list[_Cell]:
         sources = [cell.source.strip() for cell in cells]
         if source in sources:
             return cells[: sources.index(source)]
-    raise CourseError("This cell is in no saved notebook of its folder. Save (Ctrl+S) and run it again.")
+    raise CourseError("This cell is not in a saved notebook of its folder. Save (Ctrl+S) and run it again.")
 
 
 def _notebooks() -> Iterator[Path]:

@@ -136,7 +136,7 @@ def ros2_over(
     if bool(files) + (bag is not None) + (robot is not None) != 1 and not (needs_nothing or starts):
         if is_file:
             raise CourseError(
-                f"{words[0]} is not a command of ros2. A program is given with --run: course ros2 "
+                f"{words[0]} is not a command of ros2. Pass a program with --run: course ros2 "
                 f"--run {' '.join(words) if len(words) > 1 else f'{words[0]} topic list'}"
             )
         examples = (f"course ros2 {where} {words[0]} …" for where in _WHERE)

@@ -186,7 +186,9 @@ class Mesh:
         count = len(self.vertices)
         if faces is None:
             if count % 3:
-                raise CourseError(f"A mesh without faces needs 3 vertices per triangle, there are {count}.")
+                raise CourseError(
+                    f"A mesh without faces needs 3 vertices per triangle, but there are {count}."
+                )
             faces = np.arange(count).reshape(-1, 3)
         corners: UInt32s = checked_array("faces", faces, np.uint32, (None, 3))
         if corners.size and corners.max() >= count:
@@ -226,7 +228,9 @@ class Lines:
     ) -> None:
         self.points = float_array("points", points, (None, 3))
         if not strip and len(self.points) % 2:
-            raise CourseError(f"Lines in pairs need an even number of points, there are {len(self.points)}.")
+            raise CourseError(
+                f"Lines in pairs need an even number of points, but there are {len(self.points)}."
+            )
         self.colors = rgba(colors, len(self.points))
         self.width = float(width)
         self.strip = strip

@@ -161,8 +161,8 @@ def judged(code: int, err: str) -> tuple[str, str]:
             return "needs", reason.format(*found.groups())
     if code:
         return "fails", last or f"exit code {code}"
-    if "went on waiting" in err:
-        return "fails", "went on waiting after the end"
+    if "was still waiting" in err:
+        return "fails", "was still waiting after the end"
     return "runs", ""
 
 

@@ -83,7 +83,7 @@ def test_cells_of_each_lesson_run_without_errors_one_by_one(lesson: Lesson) -> N
 
 def test_each_lesson_resumes_at_its_first_stopping_point_after_a_kernel_restart(lesson: Lesson) -> None:
     text = "\n".join("".join(output.get("text", "")) for output in lesson.notebook.outputs())
-    (printed,) = re.findall(r"^Ran \d+ cells above\. Go on below\.\n(?:.+\n)*", text, re.MULTILINE)
+    (printed,) = re.findall(r"^Ran \d+ cells above\. Continue below\.\n(?:.+\n)*", text, re.MULTILINE)
     assert unexpected_failures(printed, code_cells(lesson.notebook.folder / lesson.notebook.name)) == []
 
 

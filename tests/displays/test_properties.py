@@ -59,7 +59,7 @@ def test_setting_an_equal_value_is_not_a_change() -> None:
 
 
 def test_unknown_label_error_suggests_close_labels() -> None:
-    with pytest.raises(CourseError, match="Thing has no property 'cell siz', but 'Cell Size'"):
+    with pytest.raises(CourseError, match="Thing has no property 'cell siz'; it has 'Cell Size'"):
         Thing()["cell siz"]
 
 

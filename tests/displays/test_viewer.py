@@ -127,7 +127,7 @@ def test_remove_deletes_a_display_and_its_objects(graph: Graph) -> None:
 MISTAKES: dict[str, tuple[Callable[[Viewer], Any], str]] = {
     "class": (lambda v: v.add("Markr"), "no display 'Markr'; use one of Marker, MarkerArray"),
     "class with one near name": (lambda v: v.add("LaserSkan"), "no display 'LaserSkan'; use LaserScan."),
-    "property": (lambda v: v.add("Marker", topc="/m"), "has no property 'topc', but 'Topic'"),
+    "property": (lambda v: v.add("Marker", topc="/m"), "has no property 'topc'; it has 'Topic'"),
     "value": (lambda v: v.add("Grid", plane="XX"), "'Plane' is 'XX', expected one of 'XY', 'XZ', 'YZ'"),
     "name": (lambda v: v["Gird"], "No display has the name 'Gird'; the displays are Grid"),
 }
@@ -363,7 +363,7 @@ def test_options_and_tools_are_set_by_their_rviz_labels(graph: Graph, tmp_path: 
         CourseError, match="No tool has the label 'Goal'; the tools are Interact, Move Camera"
     ):
         viewer.tool("Goal")
-    with pytest.raises(CourseError, match="has no property 'Frame Rat', but 'Frame Rate'"):
+    with pytest.raises(CourseError, match="has no property 'Frame Rat'; it has 'Frame Rate'"):
         viewer.options["Frame Rat"] = 5
 
 

@@ -130,7 +130,7 @@ def test_pitch_is_limited_near_the_poles() -> None:
 
 
 def test_unknown_view_property_error_suggests_existing_properties() -> None:
-    with pytest.raises(CourseError, match="Orbit has no property 'dist', but 'Distance'"):
+    with pytest.raises(CourseError, match="Orbit has no property 'dist'; it has 'Distance'"):
         Orbit(dist=3.0)
 
 

@@ -83,7 +83,7 @@ def test_group_extension_applies_to_its_members(course: Course) -> None:
 
 
 def test_group_with_the_name_of_a_member_is_rejected(course: Course) -> None:
-    with pytest.raises(CourseError, match="groups: ada is the name of a group and the ID of a student"):
+    with pytest.raises(CourseError, match="groups: ada is both the name of a group and the ID of a student"):
         read_course_file(settings(course, "", '[groups]\nada = ["ada", "bob"]\n'))
 
 

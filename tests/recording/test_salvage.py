@@ -190,7 +190,7 @@ def test_stamp_beyond_the_times_of_ros_is_reported(
     late = replace(recording.samples[1], stamp_ns=2**63)
     file = write(Recording((recording.samples[0], late)), tmp_path / "bag", StoragePlugin.MCAP)
     assert len(read_bag(file.parent).samples) == 1
-    assert "9223372036854775808 ns, which is beyond the last time of ROS" in capsys.readouterr().err
+    assert "9223372036854775808 ns, which exceeds the largest time of ROS" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

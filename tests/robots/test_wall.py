@@ -68,9 +68,9 @@ def test_flatness_is_the_depth_of_an_arc() -> None:
 
 
 def test_invalid_stripes_are_rejected() -> None:
-    with pytest.raises(CourseError, match=r"A stripe has shape \(2,\); give finite points"):
+    with pytest.raises(CourseError, match=r"A stripe has shape \(2,\); expected finite points"):
         WALL.coverage([[1.0, 2.0]])
-    with pytest.raises(CourseError, match="give finite points"):
+    with pytest.raises(CourseError, match="expected finite points"):
         flatness([[[np.nan, 0.0, 0.0]] * 2])
 
 

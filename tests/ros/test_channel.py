@@ -83,7 +83,7 @@ def test_unresponsive_peer_delays_calls_at_most_until_the_deadline(
 def test_closed_peer_is_reported_on_receive_and_send(ends: tuple[Channel, socket.socket]) -> None:
     ends[1].sendall(b"\x00\x00")
     ends[1].close()
-    with pytest.raises(ChannelClosedError, match="is gone"):
+    with pytest.raises(ChannelClosedError, match="has ended"):
         ends[0].receive()
-    with pytest.raises(ChannelClosedError, match="is gone"):
+    with pytest.raises(ChannelClosedError, match="has ended"):
         ends[0].send(["hello"])

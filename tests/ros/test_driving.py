@@ -96,12 +96,12 @@ def test_line_of_a_blocking_callback_and_the_interrupted_line_are_reported(
 
 @pytest.mark.parametrize("seconds", [-1, "2", float("nan"), 1e7])
 def test_invalid_duration_is_rejected(notebook: Graph, seconds: float) -> None:
-    with pytest.raises(CourseError, match=r"give the seconds of robot time first, from 0 to 1e\+06"):
+    with pytest.raises(CourseError, match=r"pass the seconds of robot time first, from 0 to 1e\+06"):
         spin_for(seconds)
 
 
 def test_invalid_node_is_rejected(notebook: Graph) -> None:
-    with pytest.raises(CourseError, match=r"is not a node. Give an object of your class"):
+    with pytest.raises(CourseError, match=r"is not a node. Pass an object of your class"):
         spin_for(1.0, Node)  # type: ignore[arg-type]  # the mistake under test
 
 

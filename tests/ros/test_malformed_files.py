@@ -111,7 +111,7 @@ def test_urdf_file_error_includes_the_line(write: Write, body: str, expected: st
         ("uint8 x -1", "line 1: '-1' is not a value of the type uint8."),
         ("bool x maybe", "line 1: 'maybe' is not a value of the type bool."),
         ("float64 x 1,5", "line 1: '1,5' is not a value of the type float64."),
-        ("# a\nint32 x\nint32 x", "line 3: there is a field 'x' above already."),
+        ("# a\nint32 x\nint32 x", "line 3: the field 'x' is already defined above."),
         ("int32 class", "line 1: 'class' is a keyword of Python"),
         ("\nint3 x", "line 2, field x: No message type"),
     ],

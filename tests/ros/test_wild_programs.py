@@ -30,7 +30,7 @@ def test_result_row_survives_a_round_trip(row: Row) -> None:
         (0, "[INFO] [1.0] [talker]: hello\n", ("runs", "")),
         (1, "Traceback\nModuleNotFoundError: No module named 'torch.nn'\n", ("needs", "torch")),
         (1, "Traceback\nNameError: name 'x'\nhint: spell it\n", ("fails", "NameError: name 'x'")),
-        (0, "x.py was stopped: it went on waiting\n", ("fails", "went on waiting after the end")),
+        (0, "x.py was stopped: it was still waiting\n", ("fails", "was still waiting after the end")),
         (3, "", ("fails", "exit code 3")),
         (1, "Traceback\nEOFError: EOF when reading a line\n", ("needs", "keyboard input")),
         (2, "usage: p.py [-h] name\np.py: error: no name\n", ("needs", "arguments")),

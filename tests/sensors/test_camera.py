@@ -80,5 +80,5 @@ def test_image_shaded_in_parts_has_the_same_lighting(rows: int, monkeypatch: pyt
 
 
 def test_unknown_compression_is_reported() -> None:
-    with pytest.raises(CourseError, match="compressed is 'gif'; give 'png', 'jpeg' or None"):
+    with pytest.raises(CourseError, match="compressed is 'gif'; expected 'png', 'jpeg' or None"):
         capture(Image, compressed="gif")

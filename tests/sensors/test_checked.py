@@ -24,12 +24,12 @@ def changed(row: int, column: int, value: float) -> Any:
 @pytest.mark.parametrize(
     ("matrix", "text"),
     [
-        (changed(0, 3, np.nan), "pose contains nan; give finite numbers"),
+        (changed(0, 3, np.nan), "pose contains nan; expected finite numbers"),
         (changed(0, 0, 2), r"upper left 3x3 of pose is \[\[2.0, .*not a rotation"),
         (changed(0, 0, -1), "right-handed"),
         (changed(3, 0, 1), r"last row of pose is \[1.0, 0.0, 0.0, 1.0\]; it must be \[0, 0, 0, 1\]"),
-        (np.eye(3), r"pose has shape \(3, 3\); give numbers of shape \(4, 4\)"),
-        ("here", "pose is 'here'; give numbers"),
+        (np.eye(3), r"pose has shape \(3, 3\); expected numbers of shape \(4, 4\)"),
+        ("here", "pose is 'here'; expected numbers"),
     ],
 )
 def test_invalid_transform_error_has_the_reason(matrix: Any, text: str) -> None:
@@ -53,21 +53,21 @@ def test_invalid_pose_from_a_function_is_reported_with_the_time() -> None:
 
 @pytest.mark.parametrize("count", [0, -3, 2.5, "many", True, None])
 def test_counts_are_positive_integers(count: Any) -> None:
-    with pytest.raises(CourseError, match=f"beams is {count!r}; give a whole number, 1 or more"):
+    with pytest.raises(CourseError, match=f"beams is {count!r}; expected a whole number, 1 or more"):
         check_count("beams", count)
 
 
 def test_out_of_range_numbers_are_reported() -> None:
-    with pytest.raises(CourseError, match="dropout is 2; give a number >= 0 and <= 1"):
+    with pytest.raises(CourseError, match="dropout is 2; expected a number >= 0 and <= 1"):
         check_number("dropout", 2, low=0, high=1)
-    with pytest.raises(CourseError, match=r"range_max \[m\] is 1; give a number > 3"):
+    with pytest.raises(CourseError, match=r"range_max \[m\] is 1; expected a number > 3"):
         check_limits("range", "m", 3, 1)
 
 
 @pytest.mark.parametrize(
     ("rays", "text"),
     [
-        (np.ones((720, 3)), r"rays have shape \(720, 3\); give one or more as columns, shape \(3, N\)"),
+        (np.ones((720, 3)), r"rays have shape \(720, 3\); expected one or more as columns, shape \(3, N\)"),
         (np.empty((3, 0)), r"rays have shape \(3, 0\)"),
         ([[1, 2], [0, 0], [0, 0]], r"A ray is \[2.0, 0.0, 0.0\]; divide rays by their length"),
         ([[1, np.nan], [0, 0], [0, 0]], r"A ray is \[nan, 0.0, 0.0\]"),

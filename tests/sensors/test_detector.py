@@ -95,7 +95,7 @@ def test_equal_seeds_give_equal_detections() -> None:
     ("settings", "text"),
     [
         ({"range_max": 0}, r"range_max \[m\] is 0"),
-        ({"miss_rate": 2}, "miss_rate is 2; give a number >= 0 and <= 1"),
+        ({"miss_rate": 2}, "miss_rate is 2; expected a number >= 0 and <= 1"),
         ({"false_alarms": -1}, "false_alarms is -1"),
         ({"field_of_view": 0}, r"field_of_view \[rad\] is 0"),
     ],

@@ -40,7 +40,7 @@ def test_boxes_have_position_size_and_orientation_in_the_world_frame() -> None:
 
 
 def test_invalid_rate_is_reported() -> None:
-    with pytest.raises(CourseError, match=r"rate \[Hz\] is 0; give a number > 0"):
+    with pytest.raises(CourseError, match=r"rate \[Hz\] is 0; expected a number > 0"):
         detections(rate=0)
 
 

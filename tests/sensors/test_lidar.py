@@ -55,7 +55,7 @@ def test_cloud_without_hits_is_empty() -> None:
 
 
 def test_invalid_limits_are_reported() -> None:
-    with pytest.raises(CourseError, match=r"range_max \[m\] is 1; give a number > 5"):
+    with pytest.raises(CourseError, match=r"range_max \[m\] is 1; expected a number > 5"):
         published(lambda: LaserScanNode(WALL, AT_ORIGIN, range_min=5, range_max=1), LaserScan)
-    with pytest.raises(CourseError, match="rings is 0; give a whole number"):
+    with pytest.raises(CourseError, match="rings is 0; expected a whole number"):
         published(lambda: PointCloudNode(WALL, AT_ORIGIN, rings=0), PointCloud2)

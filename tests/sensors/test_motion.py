@@ -34,7 +34,7 @@ def test_motions_are_rigid_transforms(seconds: float) -> None:
 def test_invalid_motions_are_reported() -> None:
     with pytest.raises(CourseError, match=r"start and goal are both \[0.0, 0.0, 0.0\]"):
         straight((0, 0, 0), (0, 0, 0), 1)
-    with pytest.raises(CourseError, match=r"speed \[m/s\] is -1; give a number > 0"):
+    with pytest.raises(CourseError, match=r"speed \[m/s\] is -1; expected a number > 0"):
         straight((0, 0, 0), (1, 0, 0), -1)
     with pytest.raises(CourseError, match=r"period \[s\] is 0"):
         circle((0, 0, 0), 1, 0)

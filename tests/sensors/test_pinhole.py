@@ -32,9 +32,9 @@ def test_camera_info_is_self_consistent() -> None:
 @pytest.mark.parametrize(
     ("settings", "text"),
     [
-        ({"focal": 0}, r"focal \[px\] is 0; give a number > 0"),
+        ({"focal": 0}, r"focal \[px\] is 0; expected a number > 0"),
         ({"focal": float("nan")}, r"focal \[px\] is nan"),
-        ({"width": 0}, r"width \[px\] is 0; give a whole number"),
+        ({"width": 0}, r"width \[px\] is 0; expected a whole number"),
         ({"height": -2}, r"height \[px\] is -2"),
     ],
 )

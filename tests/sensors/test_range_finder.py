@@ -32,7 +32,7 @@ def test_rays_fill_exactly_the_cone() -> None:
 
 
 def test_invalid_cone_is_reported() -> None:
-    with pytest.raises(CourseError, match=r"field_of_view \[rad\] is 0; give a number > 0"):
+    with pytest.raises(CourseError, match=r"field_of_view \[rad\] is 0; expected a number > 0"):
         published(lambda: RangeNode(World([]), AT_ORIGIN, field_of_view=0), Range)
     with pytest.raises(CourseError, match="rays is 0"):
         published(lambda: RangeNode(World([]), AT_ORIGIN, rays=0), Range)

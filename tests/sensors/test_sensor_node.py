@@ -49,11 +49,11 @@ def test_moving_sensor_measures_from_its_current_pose() -> None:
 @pytest.mark.parametrize(
     ("settings", "text"),
     [
-        ({"rate": 0}, r"rate \[Hz\] is 0; give a number > 0"),
-        ({"noise": -1}, "noise is -1; give a number >= 0"),
-        ({"dropout": 1.5}, "dropout is 1.5; give a number >= 0 and <= 1"),
-        ({"seed": -1}, "seed is -1; give a number >= 0"),
-        ({"beams": 0}, "beams is 0; give a whole number"),
+        ({"rate": 0}, r"rate \[Hz\] is 0; expected a number > 0"),
+        ({"noise": -1}, "noise is -1; expected a number >= 0"),
+        ({"dropout": 1.5}, "dropout is 1.5; expected a number >= 0 and <= 1"),
+        ({"seed": -1}, "seed is -1; expected a number >= 0"),
+        ({"beams": 0}, "beams is 0; expected a whole number"),
     ],
 )
 def test_invalid_settings_are_reported(settings: Any, text: str) -> None:

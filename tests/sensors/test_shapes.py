@@ -85,8 +85,8 @@ def test_shapes_lie_within_their_size_and_bounding_radius(seed: int) -> None:
 @pytest.mark.parametrize(
     ("make", "text"),
     [
-        (lambda: box(1, -2, 3), r"y \[m\] of a box is -2; give a number > 0\."),
-        (lambda: sphere(0), r"radius \[m\] of a sphere is 0; give a number > 0\."),
+        (lambda: box(1, -2, 3), r"y \[m\] of a box is -2; expected a number > 0\."),
+        (lambda: sphere(0), r"radius \[m\] of a sphere is 0; expected a number > 0\."),
         (lambda: cylinder(1, float("nan")), r"height \[m\] of a cylinder is nan"),
         (lambda: sphere("big"), "radius .* is 'big'"),  # type: ignore[arg-type]  # a wrong value
     ],

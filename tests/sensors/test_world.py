@@ -70,11 +70,11 @@ def test_empty_world_is_sky() -> None:
 @pytest.mark.parametrize(
     ("make", "text"),
     [
-        (lambda: Thing("blob", AT_ORIGIN), r"shape is 'blob', which is not a shape; give box"),  # type: ignore[arg-type]
+        (lambda: Thing("blob", AT_ORIGIN), r"shape is 'blob', which is not a shape; expected box"),  # type: ignore[arg-type]
         (lambda: Thing(sphere(1), np.full((4, 4), np.nan), label="Car"), "pose of Car contains nan"),
         (lambda: Thing(sphere(1), AT_ORIGIN, (255, 0, 0)), r"color is \[255, 0, 0\]; .* from 0 to 1"),
         (lambda: Thing(plane(), AT_ORIGIN, label="Floor"), "labelled 'Floor'; planes are infinite"),
-        (lambda: World([sphere(1)]), r"Number 0 of the world is Shape.*; give Thing\(shape, pose\)"),  # type: ignore[list-item]
+        (lambda: World([sphere(1)]), r"Number 0 of the world is Shape.*; expected Thing\(shape, pose\)"),  # type: ignore[list-item]
     ],
 )
 def test_invalid_objects_of_a_world_are_reported(make: Any, text: str) -> None:

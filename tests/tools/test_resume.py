@@ -105,12 +105,12 @@ def test_new_kernel_runs_the_cells_above_without_their_outputs_and_reports_error
         assert error == ""
         assert "seen" not in printed
         assert printed.splitlines() == [
-            "Ran 4 cells above. Go on below.",
+            "Ran 4 cells above. Continue below.",
             "Errors, as when you run these cells yourself:",
             "  In [4]: ValueError: no",
         ]
         assert kernel.run(7, "print(size)") == ("2\n", "")
-        assert kernel.run(6) == ("All cells above have been run. Go on below.\n", "")
+        assert kernel.run(6) == ("All cells above have been run. Continue below.\n", "")
         assert kernel.run(7, "print(size)") == ("2\n", "")
 
 
@@ -172,7 +172,7 @@ def test_passed_stopping_point_does_not_rerun_cells(notebook: Path) -> None:
     with kernel_of(notebook) as kernel:
         for index in (0, 1, 3, 4, 5, 7):
             kernel.run(index)
-        assert kernel.run(8) == ("All cells above have been run. Go on below.\n", "")
+        assert kernel.run(8) == ("All cells above have been run. Continue below.\n", "")
 
 
 @pytest.mark.slow

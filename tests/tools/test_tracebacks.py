@@ -106,6 +106,6 @@ def test_syntax_error_keeps_its_caret(run: Run) -> None:
 
 def test_course_errors_and_interrupts_have_no_traceback(run: Run) -> None:
     start = CELLS.partition("---")[0] + "from course_lib import spin_for\n---\n"
-    assert run(start + "spin_for('2')").startswith("CourseError: spin_for('2', …): give the")
+    assert run(start + "spin_for('2')").startswith("CourseError: spin_for('2', …): pass the")
     stopped = "KeyboardInterrupt: the cell was stopped in cell In[1], line 1: raise KeyboardInterrupt.\n"
     assert run(start + "raise KeyboardInterrupt") == stopped

@@ -425,7 +425,7 @@ def _color_of(config: Config) -> tuple[float, ...]:
         red, green, blue = (float(part) for part in text.split(";"))
     except ValueError as error:
         raise Problem(
-            f"the color is {text!r}, expected a color like '25; 255; 0'", "a color is not a color"
+            f"the color is {text!r}, expected a color like '25; 255; 0'", "a color is malformed"
         ) from error
     return red, green, blue
 

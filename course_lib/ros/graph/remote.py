@@ -145,7 +145,7 @@ class Channel:
                     raise
                 continue
             if not chunk:
-                raise ChannelClosedError("The other process is gone.")
+                raise ChannelClosedError("The other process has ended.")
             self._received += chunk
         # A memoryview avoids a second copy of a large message: slicing a bytearray copies it, and
         # so does bytes().
@@ -171,7 +171,7 @@ class Channel:
         except TimeoutError as error:
             raise ChannelTimeoutError("The other process did not answer in time.") from error
         except OSError as error:
-            raise ChannelClosedError("The other process is gone.") from error
+            raise ChannelClosedError("The other process has ended.") from error
 
     def _is_in_overtime(self) -> bool:
         self.deadline = (self.deadline or 0.0) + self.overtime()
@@ -242,7 +242,7 @@ class RecordingBudget:
         if min(self.messages, self.image_bytes, self.other_bytes) < 0:
             exceeded = "messages" if self.messages < 0 else "pictures" if self.image_bytes < 0 else "bytes"
             raise RecordingLimitError(
-                f"more {exceeded} were published than are recorded, so it was stopped there: "
+                f"the limit on recorded {exceeded} was reached, so the program was stopped: "
                 "is the period of a timer too short, or does a callback publish to its own topic?"
             )
 
@@ -383,7 +383,7 @@ class GraphServer:
         if self._stored_bound > MAX_HELD:
             raise MemoryLimitError(
                 f"messages of more than {MAX_HELD // 2**20} MB were in transit or latched at a "
-                "time, so it was stopped there: publish smaller messages, or fewer at a time"
+                "time, so the program was stopped: publish smaller messages, or fewer at a time"
             )
 
     def _schedule_alarm(self, number: int, due_ns: int, node: int, entity: int) -> None:

@@ -224,7 +224,7 @@ def _check_field(place: str, name: str, names: set[str]) -> None:
     if keyword.iskeyword(name):
         raise CourseError(f"{place}: '{name}' is a keyword of Python, so choose another name for the field.")
     if name in names:
-        raise CourseError(f"{place}: there is a field '{name}' above already.")
+        raise CourseError(f"{place}: the field '{name}' is already defined above.")
     names.add(name)
 
 

@@ -70,4 +70,6 @@ def check_package_name(name: str) -> None:
             f"{f', like {close!r}' if len(close) > 1 else ''}."
         )
     if name in provided_packages() or name in ("test", "launch", "course_lib"):
-        raise CourseError(f"{name!r} is a package already; give yours another name, like 'my_{name}'.")
+        raise CourseError(
+            f"{name!r} is the name of an existing package; choose another one, like 'my_{name}'."
+        )

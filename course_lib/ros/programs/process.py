@@ -55,7 +55,9 @@ class Process:
             with time_lock.at_end(self.at_end):
                 self.work()
         except (StoppedProgram, StoppedThread):
-            sys.stderr.write(f"{self.file.name} was stopped: it went on waiting after the end of the run.\n")
+            sys.stderr.write(
+                f"{self.file.name} was stopped: it was still waiting after the end of the run.\n"
+            )
         except SystemExit as end:
             if end.code is None or isinstance(end.code, int):
                 self.exit_code = end.code or 0
@@ -107,7 +109,7 @@ class Program(Process):
             self._idle_hint = _idle_hint(tree)
         except (OSError, ValueError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
-            raise CourseError(f"{file} cannot be run: {reason}. Give the path of a Python file.") from error
+            raise CourseError(f"{file} cannot be run: {reason}. Pass the path of a Python file.") from error
         except SyntaxError as error:
             hint = syntax_hint(error)
             text = f"{file}, line {error.lineno}: {error.msg}."

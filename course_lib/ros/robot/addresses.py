@@ -27,7 +27,7 @@ def is_over_dds(address: str) -> bool:
     if not isinstance(address, str):
         raise CourseError(
             f"{address!r} is not an address of a robot, but an object of type "
-            f"{type(address).__name__}: give a string like {DDS}192.168.1.5, or robot.address."
+            f"{type(address).__name__}: pass a string like {DDS}192.168.1.5, or robot.address."
         )
     return re.match(r"dds([:/]|$)", address, re.IGNORECASE) is not None
 
@@ -121,7 +121,7 @@ def socket_towards(host: str, port: int) -> socket.socket:
     except OSError as error:
         probe.close()
         raise CourseError(
-            f"No network of this computer leads to {host} ({error.strerror or error}). Is it the "
+            f"This computer has no route to {host} ({error.strerror or error}). Is it the "
             "robot's address, and are both in the same network?"
         ) from error
     return probe

@@ -123,7 +123,7 @@ def _read_domain(domain: int | None) -> int:
     # In ROS an empty variable means domain 0, too.
     text = (os.environ.get("ROS_DOMAIN_ID") or "0") if domain is None else str(domain)
     if not text.isdecimal() or int(text) > MAX_DOMAIN:
-        raise CourseError(f"{text!r} is not a domain: give a number from 0 to {MAX_DOMAIN}.")
+        raise CourseError(f"{text!r} is not a domain: expected a number from 0 to {MAX_DOMAIN}.")
     return int(text)
 
 
@@ -152,13 +152,13 @@ def connect(
             f"type: course run my_node.py --robot {router}"
         )
     if graph.link_report():
-        raise CourseError("This notebook is linked to a robot already. Type: %ros2 disconnect")
+        raise CourseError("This notebook is already linked to a robot. Type: %ros2 disconnect")
     if graph.nodes():
         names = ", ".join(node.full_name for node in graph.nodes())
-        raise CourseError(f"There are nodes already ({names}): restart the kernel, and connect first.")
+        raise CourseError(f"Nodes already exist ({names}): restart the kernel, and connect first.")
     if graph.is_tapped:
         raise CourseError(
-            "There is a viewer or a recording already, which would not see the robot: restart the "
+            "A viewer or a recording already exists, and would not receive the robot's messages: restart the "
             "kernel, and connect first."
         )
     linked = link_to(RobotAddress(router, domain, send, call), notebook=True)

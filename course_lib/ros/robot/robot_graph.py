@@ -623,7 +623,7 @@ class RobotGraph(Graph):
             ("nodes", len(self._remote)),
             *self._allowed.status_rows(),
             *self.link.status_rows(),
-            ("held back", ", ".join(blocked_counts) or "nothing"),
+            ("not sent", ", ".join(blocked_counts) or "nothing"),
             ("robot's clock", NO_SKEW if skew is None else f"{skew:+.3f} s from this computer's"),
             *self._subscriptions.status_rows(),
         ]

@@ -117,7 +117,7 @@ class BlockedTraffic:
         self.counts[name] += 1
         if self.counts[name] == 1:
             traffic = "Messages on" if option == "--send" else "Calls of"
-            self._report_rule(f"{traffic} {name} are held back", "let them out", name, option)
+            self._report_rule(f"{traffic} {name} are not sent", "send them", name, option)
 
     def add_service(self, name: str, type_name: str) -> None:
         """Report a service of the kit that the robot cannot call."""
@@ -131,7 +131,7 @@ class BlockedTraffic:
     def _report_rule(self, effect: str, purpose: str, name: str, option: str) -> None:
         """Report an effect of the permissions, and the option that changes it."""
         python = f' or {option[2:]}=["{name}"]' if self._notebook else ""
-        self._report(f"{effect}: the link only listens. To {purpose}, connect with {option} {name}{python}")
+        self._report(f"{effect}: the link is read-only. To {purpose}, connect with {option} {name}{python}")
 
 
 class StopCommand:

@@ -51,7 +51,7 @@ def spin_for(seconds: float, *nodes: "Node") -> DriveResult:
     """
     if not isinstance(seconds, int | float) or not 0 <= seconds <= MAX_SECONDS:
         raise CourseError(
-            f"spin_for({seconds!r}, …): give the seconds of robot time first, from 0 to "
+            f"spin_for({seconds!r}, …): pass the seconds of robot time first, from 0 to "
             f"{MAX_SECONDS:g}, like spin_for(2.0, node)."
         )
     graph = current_graph()
@@ -72,7 +72,7 @@ def executor_with(nodes: Sequence["Node"]) -> Iterator["Executor"]:
     for node in nodes:
         if not isinstance(node, Node):
             point = " A decimal number has a point: 0.5." if isinstance(node, int) else ""
-            raise CourseError(f"{node!r} is not a node. Give an object of your class, like MyNode().{point}")
+            raise CourseError(f"{node!r} is not a node. Pass an object of your class, like MyNode().{point}")
     executor = get_global_executor()
     with executor._course_joined_by([*running_nodes(), *nodes]):
         yield executor

@@ -484,7 +484,7 @@ class TimeLock:
             if t.wait is not None and t.wait.graph is graph
         )
         error = DeadlockError(
-            f"Nothing can happen any more: {waits}. A wait must be ended by a timer, a message or "
+            f"The program cannot continue: {waits}. A wait must be ended by a timer, a message or "
             "another thread; give it a time limit, or let another thread spin."
         )
         next((t for t in self._waiting if t.main and t.waits_in(graph)), me).pending_error = error

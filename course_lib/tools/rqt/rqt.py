@@ -61,7 +61,7 @@ def rqt(words: Sequence[str]) -> None:
                 raise CourseError(f"rqt has no view {name!r} here: {_ELSEWHERE[plain]}.")
             if plain not in VIEWS:
                 views = f"{', '.join(VIEWS)}{did_you_mean(plain, VIEWS) or '.'}"
-                raise CourseError(f"rqt has no view {name!r} here, but {views}")
+                raise CourseError(f"rqt has no view {name!r} here; the views are {views}")
             _show(VIEWS[plain](current_graph(), rest))
         case _:
             raise CourseError(_USAGE)

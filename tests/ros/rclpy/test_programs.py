@@ -193,7 +193,7 @@ def test_program_still_waiting_after_the_end_of_a_run_is_stopped_with_a_notice(
     with use_graph(Graph(end_ns=START_NS + 10**9)):
         assert run_files([program], seed=1) == 0
     assert capsys.readouterr().err == (
-        "waiter.py was stopped: it went on waiting after the end of the run.\n"
+        "waiter.py was stopped: it was still waiting after the end of the run.\n"
     )
 
 

@@ -88,7 +88,7 @@ def test_view_without_a_page_receives_messages_until_its_cell_ends(show: Show, a
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ("grap", "rqt has no view 'grap' here, but graph, plot, "),
+        ("grap", "rqt has no view 'grap' here; the views are graph, plot, "),
         ("", "Write %rqt graph | plot"),
         ("tf_tree", "%ros2 run tf2_tools view_frames"),
         ("rqt_tf_tree", "%ros2 run tf2_tools view_frames"),

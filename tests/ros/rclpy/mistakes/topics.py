@@ -124,7 +124,7 @@ TOPICS = [
     (
         "QoSProfile(dept=10)",
         "AssertionError: Invalid arguments passed to constructor: dict_keys(['dept'])",
-        "its arguments are depth, reliability, ...",
+        "the arguments of a QoSProfile are depth, reliability, ...",
     ),
     (
         "best = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)\n"
