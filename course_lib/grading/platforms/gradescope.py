@@ -30,7 +30,8 @@ from course_lib.grading.marks import MarkedResult, stored_result
 from course_lib.grading.records import CheckResult, TaskResult
 from course_lib.grading.reports.table import printable, rows, say
 from course_lib.grading.store import Course, catalog_of, this_course
-from course_lib.grading.submissions.collect import ANY, PlatformTime, collect, write_receipts
+from course_lib.grading.submissions.choice import ANY
+from course_lib.grading.submissions.collect import PlatformTime, collect, write_receipts
 from course_lib.grading.submissions.readers import FOLDERS
 from course_lib.grading.submissions.roster import MISMATCH, read_class_list
 from course_lib.grading.submissions.submission import find_submissions

@@ -2,11 +2,7 @@
 
 The download is read twice. The first pass stores nothing: it determines the owner and the exercise
 of each file, and rejects unsafe files. Files are written only after that is settled for the whole
-download.
-
-Students often submit more than required: a zip of the whole course, the lesson, last week's
-exercise. None of that may replace a submission or create one, so the exercise is determined first,
-for the whole download.
+download: `choice.py` determines which files count.
 """
 
 import csv
@@ -19,21 +15,24 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
-from typing import Literal
 from zoneinfo import ZoneInfo
 
-from course_lib.course.state import exercises_dir
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
 from course_lib.grading.reports.table import escape_formula, printable
 from course_lib.grading.submissions import readers
-from course_lib.grading.submissions.archives import ReceivedFile, ReceivedFileReader, list_paths, path_problem
+from course_lib.grading.submissions.archives import ReceivedFile, ReceivedFileReader, list_paths
+from course_lib.grading.submissions.choice import (
+    Choice,
+    DownloadedFile,
+    RefusedFile,
+    choose,
+    exercise_option,
+    inspect_file,
+)
 from course_lib.grading.submissions.notebook import (
-    claimed_id,
     find_exercise_name,
-    full_exercise_name,
     is_notebook_name,
-    parse_notebook,
 )
 from course_lib.grading.submissions.roster import (
     COLUMNS,
@@ -47,351 +46,10 @@ from course_lib.grading.submissions.roster import (
     read_ids,
     read_times,
 )
-from course_lib.grading.submissions.submission import lesson_of, read_packed_zip, released_digest
-
-ANY = "*"  # pseudo exercise: all exercises that a student has worked on are collected
-WORKING = (".rviz", ".yaml", ".yml", ".py")
-ACCEPTED_SUFFIXES = (".ipynb", ".zip", *WORKING)
-ADVICE = "Submit {}.ipynb, or the zip that `course submit` writes"
-MOST_NAMED = 3  # files per reason
-MOST_LINES = 10  # refused files of an owner that are listed
-Kind = Literal["notebook", "working"]
-
-
-@dataclass(frozen=True)
-class DownloadedFile:
-    """A file of a download, without its content.
-
-    Args:
-        components: The components of its path in the download.
-        download_name: Its owner and the data in its name.
-        kind: A notebook (also in a zip of `course submit`), or a file that a notebook may refer to.
-        exercise: The exercise of a notebook, or "".
-        claimed: The ID in the file.
-        is_touched: False if it is the unchanged exercise.
-        problem: The reason why a notebook is not an exercise, or "".
-    """
-
-    components: tuple[str, ...]
-    download_name: readers.DownloadName
-    kind: Kind = "working"
-    exercise: str = ""
-    claimed: str | None = None
-    is_touched: bool = True
-    problem: str = ""
-
-    @property
-    def path(self) -> str:
-        """The path in the download."""
-        return "/".join(self.components)
-
-    @property
-    def owner(self) -> str:
-        """The key by which the platform identifies the student."""
-        return self.download_name.key
-
-
-@dataclass
-class Choice:
-    """The files of a download to keep, and the files that are set aside.
-
-    Args:
-        kept: The files to store.
-        rejected: The missing exercise and the reason, by the owner's key.
-        lines: A line for each file that is set aside.
-    """
-
-    kept: list[DownloadedFile] = field(default_factory=list)
-    rejected: dict[str, tuple[readers.DownloadName, str, str]] = field(default_factory=dict)
-    lines: list[str] = field(default_factory=list)
-
-
-def inspect_file(arrival: ReceivedFile, download_name: readers.DownloadName) -> DownloadedFile:
-    """Determine the kind, the exercise and the ID of a downloaded file.
-
-    Raises:
-        CourseError: It is neither a notebook nor a file that a notebook may refer to.
-    """
-    name = download_name.below[-1]
-    # In the student's part of a name, ".." can become a path component.
-    if problem := path_problem(download_name.below):
-        raise CourseError(problem)
-    if readers.is_zip(name):
-        try:
-            data, receipt = read_packed_zip(arrival.data, name)
-        except CourseError as error:
-            return DownloadedFile(
-                arrival.components,
-                download_name,
-                "notebook",
-                find_exercise_name(name) or "",
-                problem=str(error),
-            )
-        item = _notebook(arrival, download_name, data, str(receipt.get("exercise", "")))
-        claimed = item.claimed or claimed_id(receipt)
-        return DownloadedFile(
-            item.components, download_name, "notebook", item.exercise, claimed, item.is_touched, item.problem
-        )
-    if is_notebook_name(name):
-        plain = re.sub(r"^\d{8}_?\d{6}_", "", name)
-        item = _notebook(arrival, download_name, arrival.data, plain)
-        if item.problem and not name.lower().endswith(".ipynb") and not item.exercise:
-            raise CourseError(f"unsupported file type; expected one of {', '.join(ACCEPTED_SUFFIXES)}")
-        return item
-    if not name.lower().endswith(WORKING):
-        raise CourseError(f"unsupported file type; expected one of {', '.join(ACCEPTED_SUFFIXES)}")
-    return DownloadedFile(arrival.components, download_name)
-
-
-def _notebook(
-    arrival: ReceivedFile, download_name: readers.DownloadName, data: bytes, name: str
-) -> DownloadedFile:
-    try:
-        notebook = parse_notebook(data, name)
-    except CourseError as error:
-        return DownloadedFile(
-            arrival.components, download_name, "notebook", find_exercise_name(name) or "", problem=str(error)
-        )
-    exercise, problem = notebook.exercise or "", ""
-    if lesson := lesson_of(notebook) if exercise else "":
-        problem = f"it is {lesson}, not the exercise"
-    elif not exercise:
-        problem = "it is not an exercise of this course"
-    is_touched = not exercise or notebook.digest != released_digest(exercise)
-    return DownloadedFile(
-        arrival.components, download_name, "notebook", exercise, notebook.student, is_touched, problem
-    )
-
-
-def choose(
-    items: Sequence[DownloadedFile],
-    refused: Iterable[tuple[readers.DownloadName, str, str]],
-    layout: readers.Layout,
-    exercise: str,
-) -> Choice:
-    """Choose the files to keep.
-
-    Args:
-        items: All files of the download.
-        refused: Unreadable and unsafe files: owner, name and reason.
-        layout: The layout of the download.
-        exercise: The exercise, "" to determine it, or ANY.
-
-    Raises:
-        CourseError: The exercise can't be determined, or files of several students seem to have one
-            owner.
-    """
-    notebooks = [item for item in items if item.kind == "notebook"]
-    exercise = exercise or _exercise_of(notebooks, layout)
-    _reject_shared_owners(notebooks, layout)
-    choice = Choice()
-    by_owner = defaultdict[str, list[DownloadedFile]](list)
-    for item in items:
-        by_owner[item.owner].append(item)
-    problems = defaultdict[str, list[tuple[readers.DownloadName, str, str]]](list)
-    for download_name, name, why in refused:
-        problems[download_name.key].append((download_name, name, why))
-    for owner in sorted({*by_owner, *problems}):
-        _choose_for_owner(by_owner[owner], problems[owner], exercise, choice)
-    return choice
-
-
-def _choose_for_owner(
-    items: Sequence[DownloadedFile],
-    refused: Sequence[tuple[readers.DownloadName, str, str]],
-    exercise: str,
-    choice: Choice,
-) -> None:
-    """Add one owner's files to the choice."""
-    expected_exercises, set_aside, kept_items = set[str](), list[DownloadedFile](), list[DownloadedFile]()
-    for item in items:
-        expected = _expected_exercise(item.download_name, exercise)
-        expected_exercises.add(expected)
-        if item.kind == "working":
-            continue
-        if expected == ANY:
-            (kept_items if item.is_touched else set_aside).append(item)
-        elif item.exercise == expected or (not expected and not item.exercise):
-            kept_items.append(item)
-        else:
-            set_aside.append(item)
-    edited_exercises = {item.exercise for item in kept_items if item.is_touched and not item.problem}
-    untouched = [item for item in kept_items if not item.is_touched and item.exercise in edited_exercises]
-    kept_items = [item for item in kept_items if item not in untouched]
-    choice.kept += [*kept_items, *(item for item in items if item.kind == "working")]
-    choice.lines += _lines([*set_aside, *untouched], exercise)
-    expected_exercises |= {_expected_exercise(download_name, exercise) for download_name, _, _ in refused}
-    missing = sorted(expected_exercises - {item.exercise for item in kept_items} - {ANY, ""})
-    for one in missing if not kept_items else ():
-        reasons = [f"{name}: {why}" for _, name, why in refused]
-        reasons += [f"{item.download_name.below[-1]}: {_exclusion_reason(item, one)}" for item in set_aside]
-        reasons += [
-            f"{item.download_name.below[-1]}: a file without a notebook"
-            for item in items
-            if item.kind == "working"
-        ]
-        download_name = items[0].download_name if items else refused[0][0]
-        more = (
-            f"; and {format_count(len(reasons) - MOST_NAMED, 'other')}" if len(reasons) > MOST_NAMED else ""
-        )
-        why = f"{'; '.join(reasons[:MOST_NAMED])}{more}. {ADVICE.format(one)}"
-        choice.rejected[f"{download_name.key}/{one}"] = (download_name, one, why)
-
-
-def _expected_exercise(download_name: readers.DownloadName, exercise: str) -> str:
-    """Return the effective exercise of a file.
-
-    The title of its assignment may override the given one.
-    """
-    return (
-        download_name.assignment
-        if download_name.assignment and exercise in ("", download_name.assignment)
-        else exercise
-    )
-
-
-def _exclusion_reason(item: DownloadedFile, expected: str) -> str:
-    if item.problem:
-        return item.problem
-    state = "" if item.is_touched else ", as it was released"
-    return f"it is {item.exercise}{state}, not {expected}"
-
-
-def _lines(items: Iterable[DownloadedFile], exercise: str) -> list[str]:
-    """Return a line for each file that was set aside, and one for all unchanged exercises of an owner."""
-    lines, untouched = [], []
-    for item in items:
-        if not item.is_touched and not item.problem:
-            untouched.append(item)
-        elif item.problem:
-            lines.append(f"set aside: {item.path}: {item.problem}")
-        else:
-            expected = _expected_exercise(item.download_name, exercise)
-            lines.append(
-                f"set aside: {item.path}: it is {item.exercise}, but this download counts for {expected}"
-            )
-    if untouched:
-        names = ", ".join(sorted({item.exercise for item in untouched}))
-        released_count = format_count(len(untouched), "exercise")
-        lines.append(f"ignored: {untouched[0].download_name.name}: {released_count} as released: {names}")
-    return lines
-
-
-def _exercise_of(notebooks: Sequence[DownloadedFile], layout: readers.Layout) -> str:
-    """Return the exercise of a download, or "" if it cannot be determined.
-
-    It is the only one that students have worked on, else the only one that every student submitted.
-    Any other rule would let one student's files decide for the others.
-
-    Raises:
-        CourseError: Several exercises are possible.
-    """
-    without_assignment = [
-        item for item in notebooks if item.exercise and not item.download_name.assignment and not item.problem
-    ]
-    edited_exercises = {item.exercise for item in without_assignment if item.is_touched}
-    exercises = edited_exercises or {item.exercise for item in without_assignment}
-    if len(exercises) > 1:
-        exercises_by_owner = defaultdict[str, set[str]](set)
-        for item in without_assignment:
-            exercises_by_owner[item.owner].add(item.exercise)
-        shared = set.intersection(*exercises_by_owner.values())
-        exercises = shared if len(shared) == 1 and len(exercises_by_owner) > 1 else exercises
-    if len(exercises) > 1:
-        owners = {
-            name: len(
-                {
-                    item.owner
-                    for item in without_assignment
-                    if item.exercise == name and (item.is_touched or not edited_exercises)
-                }
-            )
-            for name in sorted(exercises)
-        }
-        exercise_counts = ", ".join(
-            f"{name} ({format_count(number, 'student')})" for name, number in owners.items()
-        )
-        first = max(owners, key=lambda name: owners[name])
-        raise CourseError(
-            f"this download contains {exercise_counts}. Which exercise is it for? Add --exercise {first}"
-        )
-    if exercises:
-        return min(exercises)
-    stated_exercises = {
-        item.exercise for item in notebooks if item.exercise and not item.download_name.assignment
-    }
-    return min(stated_exercises) if len(stated_exercises) == 1 else ""
-
-
-def exercise_option(text: str) -> str:
-    """Return the exercise selected by --exercise.
-
-    Raises:
-        CourseError: The course has no such exercise.
-    """
-    if not text or text == ANY:
-        return text
-    name = full_exercise_name(text)
-    known_exercises = sorted(path.stem for path in exercises_dir().glob("week*_exercise.ipynb"))
-    if name not in known_exercises:
-        raise CourseError(
-            f"--exercise {text} is not an exercise of this course: expected one of "
-            f"{', '.join(known_exercises)}"
-        )
-    return name
-
-
-def _may_have_several_owners(group: Sequence[DownloadedFile]) -> bool:
-    """Return whether the paths suggest that files in a folder belong to several students."""
-    ids = {item.claimed for item in group}
-    if len(ids) == 1 and None not in ids:
-        return False
-    folders = {item.download_name.below[:-1] for item in group}
-    names = {
-        item.download_name.below[-1]
-        for item in group
-        if find_exercise_name(item.download_name.below[-1]) is None
-    }
-    return len(folders) > 1 or len(names) > 1
-
-
-def _reject_shared_owners(notebooks: Sequence[DownloadedFile], layout: readers.Layout) -> None:
-    """Reject a download in which one folder seems to contain files of several students.
-
-    Raises:
-        CourseError: The message has the folder, the IDs, and options to pass.
-    """
-    if layout.name != readers.FOLDERS or layout.is_chosen:
-        return
-    groups = defaultdict[tuple[str, str], list[DownloadedFile]](list)
-    for item in notebooks:
-        if item.download_name.student and item.exercise and item.is_touched:
-            groups[item.owner, item.exercise].append(item)
-    # A single student may have copies in several folders, but hardly every student of a class.
-    is_each = bool(groups) and all(map(_may_have_several_owners, groups.values()))
-    for (owner, exercise), group in groups.items():
-        ids = sorted({item.claimed for item in group if item.claimed})
-        files = format_count(len(group), "file")
-        if len(ids) > 1:
-            problem = f"{owner} holds {files} of {exercise} with different student IDs ({', '.join(ids[:3])})"
-        elif is_each and len(groups) == len({item.components[0] for item in notebooks}):
-            problem = f"everything is in {owner}" if len(groups) == 1 else f"{owner} is one of {len(groups)}"
-            problem += f", with {files} of {exercise} in several folders or under several names"
-        else:
-            continue
-        raise CourseError(
-            f"{problem}, so the layout of this download is unknown and nothing is collected. If "
-            "the folders in it belong to students, unpack it and pass the folder with them; if "
-            f"each file has its student's ID, as in Google Drive, add --layout google; if {owner} "
-            "is one student, add --layout folders. The instructor's guide lists the supported "
-            "platforms"
-        )
-
-
-__all__ = ["ACCEPTED_SUFFIXES", "Collection", "PlatformTime", "collect", "write_list", "write_receipts"]
 
 BAD_PATHS = (errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.ENAMETOOLONG, errno.EINVAL, errno.EILSEQ)
 LATE_TEXTS = {True: "yes", False: "no", None: ""}
+MOST_LINES = 10  # refused files of an owner that are listed
 MAX_NAME = 100  # characters of a rejected file's name in received.csv
 STAMP_DEPTH = 2  # depth of nbgrader's stamp in a student's folder: ASSIGNMENT/timestamp.txt
 
@@ -464,6 +122,10 @@ class Exports:
     def id_of(self, download_name: readers.DownloadName) -> str:
         """Return the student's ID in the roster, or ""."""
         return next((self.ids[key] for key in download_name.keys if key in self.ids), "")
+
+    def student(self, download_name: readers.DownloadName) -> str:
+        """Return the student's ID in the roster, else the one in the name of the file."""
+        return self.id_of(download_name) or download_name.student
 
     def time(self, download_name: readers.DownloadName) -> tuple[datetime | None, str]:
         """Return the time of submission and its source: the export or platform."""
@@ -547,16 +209,15 @@ def collect(
     items, refused = _inspect_all(download, collection)
     if not items and not collection.skipped:
         raise CourseError(f"{source} contains no files. Pass the platform's download.")
-    _reject_collisions(
-        (*(item.download_name for item in items), *(download_name for download_name, _, _ in refused)),
-        exports,
-    )
+    names = [*(item.download_name for item in items), *(file.download_name for file in refused)]
+    _reject_collisions(names, exports)
     choice = choose(items, refused, download.layout, exercise)
     collection.set_aside = [printable(line) for line in choice.lines]
     # It stays if this process is killed or the disk is full, and `course grade` reports it.
     write_atomically(out / UNFINISHED, source.name.encode("utf-8", "replace"))
-    _store_all(download, choice, out, zone, collection, exports)
-    _reject(choice, out, zone, collection, exports)
+    store = Store(out, zone, exports, collection)
+    store.store_all(download, choice)
+    store.reject(choice)
     write_list(out / LIST, collection.rows.values())
     (out / UNFINISHED).unlink(missing_ok=True)
     return collection
@@ -613,13 +274,9 @@ def _read_extras(source: Path, is_wanted: Callable[[tuple[str, ...]], bool]) -> 
 
 def _inspect_all(
     download: Download, collection: Collection
-) -> tuple[list[DownloadedFile], list[tuple[readers.DownloadName, str, str]]]:
+) -> tuple[list[DownloadedFile], list[RefusedFile]]:
     """Return the files of a download and the rejected files of known owners, without storing anything."""
-    items, refused, unsafe = (
-        list[DownloadedFile](),
-        list[tuple[readers.DownloadName, str, str]](),
-        list[tuple[str, str]](),
-    )
+    items, refused, unsafe = list[DownloadedFile](), list[RefusedFile](), list[tuple[str, str]]()
     for arrival in download.arrivals(collection, unsafe):
         if _is_stamp(arrival, download.layout):
             continue
@@ -632,13 +289,13 @@ def _inspect_all(
             items.append(inspect_file(arrival, download_name))
         except CourseError as error:
             collection.refuse("/".join(arrival.components), str(error), download.owner(arrival.components))
-            refused.append((download_name, download_name.below[-1], str(error)))
+            refused.append(RefusedFile(download_name, download_name.below[-1], str(error)))
     for name, why in unsafe:
         try:
             download_name = download.layout.read(tuple(name.split("/")))
         except CourseError:
             continue
-        refused.append((download_name, download_name.below[-1], why))
+        refused.append(RefusedFile(download_name, download_name.below[-1], why))
     return items, refused
 
 
@@ -726,7 +383,7 @@ def _reject_collisions(files: Iterable[readers.DownloadName], exports: Exports) 
     owners, derived_ids = defaultdict[str, dict[str, str]](dict), set[str]()
     for download_name in files:
         if download_name.student:
-            student = exports.id_of(download_name) or download_name.student
+            student = exports.student(download_name)
             owners[student][download_name.key] = download_name.name
             derived_ids |= set() if download_name.is_named else {student}
     for student, names in owners.items():
@@ -739,103 +396,124 @@ def _reject_collisions(files: Iterable[readers.DownloadName], exports: Exports) 
             )
 
 
-def _student(download_name: readers.DownloadName, exports: Exports) -> str:
-    return exports.id_of(download_name) or download_name.student
+@dataclass
+class Store:
+    """The folder of submissions that a download is sorted into.
 
+    Args:
+        out: The folder.
+        zone: The zone of times in its list of files.
+        exports: The platform's exports.
+        collection: The result, which is extended.
+    """
 
-def _store_all(
-    download: Download, choice: Choice, out: Path, zone: ZoneInfo, collection: Collection, exports: Exports
-) -> None:
-    """Read the download again, and store the chosen files."""
-    items_by_path = {item.components: item for item in choice.kept}
-    for arrival in download.arrivals():
-        if _is_stamp(arrival, download.layout):
-            download_name = download.layout.read(arrival.components)
-            write_atomically(out.joinpath(download_name.student, *download_name.place), arrival.data)
-        elif item := items_by_path.get(arrival.components):
+    out: Path
+    zone: ZoneInfo
+    exports: Exports
+    collection: Collection
+
+    def store_all(self, download: Download, choice: Choice) -> None:
+        """Read the download again, and store the chosen files."""
+        collection, items_by_path = self.collection, {item.components: item for item in choice.kept}
+        for arrival in download.arrivals():
+            if _is_stamp(arrival, download.layout):
+                download_name = download.layout.read(arrival.components)
+                write_atomically(self.out.joinpath(download_name.student, *download_name.place), arrival.data)
+            elif item := items_by_path.get(arrival.components):
+                try:
+                    self._store(arrival, item)
+                except OSError as error:
+                    if error.errno not in BAD_PATHS:
+                        raise
+                    why = f"can't be kept: {error.strerror}"
+                    collection.refuse("/".join(arrival.components), why, download.owner(arrival.components))
+                else:
+                    collection.notes |= set(
+                        _platform_notes(item.download_name, self.exports, download.layout)
+                    )
+
+    def _store(self, arrival: ReceivedFile, item: DownloadedFile) -> None:
+        download_name, collection, rows = item.download_name, self.collection, self.collection.rows
+        student = self.exports.student(download_name)
+        *folders, name = download_name.place
+        if item.kind == "notebook":
+            name = re.sub(r"(\.ipynb)?\.(txt|json)$", ".ipynb", name, flags=re.IGNORECASE)
+        # Never overwrite a file that has different content.
+        path = preferred_path = self.out.joinpath(*filter(None, (student, *folders, name)))
+        number = 1
+        while path.exists() and path.read_bytes() != arrival.data:
+            number += 1
+            path = preferred_path.with_stem(f"{preferred_path.stem}-{number}")
+        write_atomically(path, arrival.data)
+        seconds = arrival.time.timestamp()
+        os.utime(path, (seconds, seconds))
+        file = path.relative_to(self.out).as_posix()
+        if rows.get(file, {}).get("refused"):
+            del rows[file]
+        if student and (
+            not download_name.is_named or (download_name.keys and download_name.layout != readers.NBGRADER)
+        ):
+            row = self._row(download_name)
+            rows[file] = {"file": file, **self._keep_corrected_time(row, rows.get(file, {}))}
+            collection.late += row["late"] == "yes"
+        if item.kind == "notebook":
+            collection.students.add(student or name)
+        if item.exercise:
+            # The student has submitted the exercise since, so rows of rejected files are obsolete.
+            for other, row in list(rows.items()):
+                is_of_exercise = row.get("refused") and row.get("exercise") == item.exercise
+                if is_of_exercise and other.split("/")[0] == student:
+                    del rows[other]
+        collection.count += 1
+
+    def reject(self, choice: Choice) -> None:
+        """Write a row with the reason for each student without a kept file, for `course grade` to show."""
+        rows = self.collection.rows
+        for download_name, exercise, why in choice.rejected:
             try:
-                _store(arrival, item, out, zone, collection, exports)
-            except OSError as error:
-                if error.errno not in BAD_PATHS:
-                    raise
-                why = f"can't be kept: {error.strerror}"
-                collection.refuse("/".join(arrival.components), why, download.owner(arrival.components))
-            else:
-                collection.notes |= set(_platform_notes(item.download_name, exports, download.layout))
+                key = download_name.key.rsplit(".", 1)[0]
+                student = self.exports.student(download_name) or readers.id_of(key)
+            except CourseError:
+                # No ID can be derived from the name, so only the line in the terminal reports it.
+                continue
+            name = re.sub(r"[^\w .()+-]", "_", download_name.below[-1])[:MAX_NAME].strip(" .") or exercise
+            # A file of this name may be refused, or kept, for another exercise too: each has a row of
+            # its own.
+            file = f"{student}/{name}"
+            is_of_other = is_notebook_name(name) and find_exercise_name(name) != exercise
+            if is_of_other or rows.get(file, {}).get("exercise", exercise) not in ("", exercise):
+                file = f"{student}/refused {exercise} {name}"
+            if (self.out / file).exists():
+                file = f"{student}/refused {name}"
+            row = {"file": file, **self._row(download_name)}
+            rows[file] = {**row, "exercise": exercise, "refused": escape_formula(printable(why))}
+            self.collection.rejected.add(student)
 
-
-def _store(
-    arrival: ReceivedFile,
-    item: DownloadedFile,
-    out: Path,
-    zone: ZoneInfo,
-    collection: Collection,
-    exports: Exports,
-) -> None:
-    download_name = item.download_name
-    student = _student(download_name, exports)
-    *folders, name = download_name.place
-    if item.kind == "notebook":
-        name = re.sub(r"(\.ipynb)?\.(txt|json)$", ".ipynb", name, flags=re.IGNORECASE)
-    # Never overwrite a file that has different content.
-    path = preferred_path = out.joinpath(*filter(None, (student, *folders, name)))
-    number = 1
-    while path.exists() and path.read_bytes() != arrival.data:
-        number += 1
-        path = preferred_path.with_stem(f"{preferred_path.stem}-{number}")
-    write_atomically(path, arrival.data)
-    seconds = arrival.time.timestamp()
-    os.utime(path, (seconds, seconds))
-    file = path.relative_to(out).as_posix()
-    if collection.rows.get(file, {}).get("refused"):
-        del collection.rows[file]
-    if student and (
-        not download_name.is_named or (download_name.keys and download_name.layout != readers.NBGRADER)
-    ):
-        row = _row(download_name, zone, exports)
-        collection.rows[file] = {
-            "file": file,
-            **_keep_corrected_time(row, collection.rows.get(file, {}), collection),
+    def _row(self, download_name: readers.DownloadName) -> dict[str, str]:
+        """Return the row of received.csv for a file with a platform's name."""
+        time, source = self.exports.time(download_name)
+        return {
+            "received": time.astimezone(self.zone).isoformat() if time else "",
+            "late": LATE_TEXTS[download_name.late],
+            "source": escape_formula(source),
+            "name": escape_formula(download_name.name),
+            "handed_in_as": escape_formula(download_name.handed_in_as),
+            ID_FROM: ROSTER if download_name.is_named or self.exports.id_of(download_name) else PLATFORM,
         }
-        collection.late += row["late"] == "yes"
-    if item.kind == "notebook":
-        collection.students.add(student or name)
-    if item.exercise:
-        # The student has submitted the exercise since, so rows of rejected files are obsolete.
-        for other, row in list(collection.rows.items()):
-            is_of_exercise = row.get("refused") and row.get("exercise") == item.exercise
-            if is_of_exercise and other.split("/")[0] == student:
-                del collection.rows[other]
-    collection.count += 1
 
-
-def _reject(
-    choice: Choice,
-    out: Path,
-    zone: ZoneInfo,
-    collection: Collection,
-    exports: Exports,
-) -> None:
-    """Write a row with the reason for each student without a kept file, for `course grade` to show."""
-    for download_name, exercise, why in choice.rejected.values():
-        try:
-            key = download_name.key.rsplit(".", 1)[0]
-            student = _student(download_name, exports) or readers.id_of(key)
-        except CourseError:
-            # No ID can be derived from the name, so only the line in the terminal reports it.
-            continue
-        name = re.sub(r"[^\w .()+-]", "_", download_name.below[-1])[:MAX_NAME].strip(" .") or exercise
-        # A file of this name may be refused, or kept, for another exercise too: each has a row of
-        # its own.
-        file = f"{student}/{name}"
-        is_of_other = is_notebook_name(name) and find_exercise_name(name) != exercise
-        if is_of_other or collection.rows.get(file, {}).get("exercise", exercise) not in ("", exercise):
-            file = f"{student}/refused {exercise} {name}"
-        if (out / file).exists():
-            file = f"{student}/refused {name}"
-        row = {"file": file, **_row(download_name, zone, exports)}
-        collection.rows[file] = {**row, "exercise": exercise, "refused": escape_formula(printable(why))}
-        collection.rejected.add(student)
+    def _keep_corrected_time(self, row: dict[str, str], before: Mapping[str, str]) -> dict[str, str]:
+        """Return a row with the time in the existing list, which the instructor may have corrected."""
+        if not before.get("received"):
+            return row
+        if row["received"] not in ("", before["received"]):
+            self.collection.notes.add(
+                printable(
+                    f"note: {before['file']}: {LIST} keeps {before['received']}; according to "
+                    f"{row['source']} it is {row['received']}: clear the cell and collect again to use "
+                    "that"
+                )
+            )
+        return {**row, "received": before["received"], "source": before.get("source", "")}
 
 
 def _platform_notes(
@@ -863,36 +541,6 @@ def _platform_notes(
     else:
         why = reader.no_times or "a name of the download has no time of submission"
         yield f"note: {why}; or write them into {LIST}. Without a time no submission is late"
-
-
-def _row(download_name: readers.DownloadName, zone: ZoneInfo, exports: Exports) -> dict[str, str]:
-    """Return the row of received.csv for a file with a platform's name."""
-    time, source = exports.time(download_name)
-    return {
-        "received": time.astimezone(zone).isoformat() if time else "",
-        "late": LATE_TEXTS[download_name.late],
-        "source": escape_formula(source),
-        "name": escape_formula(download_name.name),
-        "handed_in_as": escape_formula(download_name.handed_in_as),
-        ID_FROM: ROSTER if download_name.is_named or exports.id_of(download_name) else PLATFORM,
-    }
-
-
-def _keep_corrected_time(
-    row: dict[str, str], before: Mapping[str, str], collection: Collection
-) -> dict[str, str]:
-    """Return a row with the time in the existing list, which the instructor may have corrected."""
-    if not before.get("received"):
-        return row
-    if row["received"] not in ("", before["received"]):
-        collection.notes.add(
-            printable(
-                f"note: {before['file']}: {LIST} keeps {before['received']}; according to "
-                f"{row['source']} it is {row['received']}: clear the cell and collect again to use "
-                "that"
-            )
-        )
-    return {**row, "received": before["received"], "source": before.get("source", "")}
 
 
 def _read_rows(path: Path) -> dict[str, dict[str, str]]:
