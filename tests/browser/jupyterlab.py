@@ -11,7 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from playwright.sync_api import Browser, BrowserContext, Locator, Page, ViewportSize, expect
+from playwright.sync_api import Browser, BrowserContext, Locator, Page, ViewportSize
 
 from course_lib.course.student_folder import prepare
 from tests.patience import PATIENCE
@@ -272,7 +272,7 @@ def opened(lab: Lab, name: str, cells: Sequence[str] = ()) -> Iterator[Notebook]
 def place_of_view(cell: Locator) -> Locator:
     """Return the element that contains the view of a cell: the cell, or the panel next to the notebook."""
     shown = cell.locator("canvas:visible, .course-elsewhere:visible").first
-    expect(shown).to_be_visible()
+    shown.wait_for()
     is_here = shown.evaluate("shown => shown.tagName == 'CANVAS'")
     return cell if is_here else cell.page.locator(".jupyterlab-sidecar:has(canvas:visible)").first
 

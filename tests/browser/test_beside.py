@@ -56,7 +56,7 @@ def ask_for_view_beside(notebook: Notebook) -> None:
     notebook.cell("publisher.publish")
     opener = notebook.page.get_by_role("button", name="Beside the notebook", exact=True)
     # Neither is visible while the panel opens.
-    expect(panel(notebook).or_(opener).first).to_be_visible()
+    panel(notebook).or_(opener).first.wait_for()
     if not panel(notebook).count():
         opener.first.click()
     expect(panel(notebook)).to_have_count(1)
@@ -136,10 +136,10 @@ def test_next_viewer_takes_the_panel_and_the_first_one_takes_it_back(notebook: N
     notebook.cell("publisher.publish")
     cell = notebook.run_below(OTHER)
     expect(panel(notebook)).to_have_count(1)
-    expect(cell.get_by_text("The view is beside the notebook.")).to_be_visible()
+    cell.get_by_text("The view is beside the notebook.").wait_for()
     wait_until(lambda: red_pixels(panel(notebook)) < ENOUGH, notebook.page, A_FRAME)
     first = notebook.cell("publisher.publish")
-    expect(first.get_by_text("Another view is beside the notebook.")).to_be_visible()
+    first.get_by_text("Another view is beside the notebook.").wait_for()
     first.get_by_role("button", name="Show this view beside the notebook").click()
     wait_until(lambda: red_pixels(panel(notebook)) > ENOUGH, notebook.page, A_FRAME)
     expect(panel(notebook)).to_have_count(1)
@@ -151,7 +151,7 @@ def test_closed_panel_restores_the_file_browser_and_later_views_stay_in_cells(
 ) -> None:
     ask_for_view_beside(notebook)
     notebook.page.locator(f"{TAB} .lm-TabBar-tabCloseIcon").click()
-    expect(notebook.page.locator(FILE_BROWSER)).to_be_visible()
+    notebook.page.locator(FILE_BROWSER).wait_for()
     expect(panel(notebook)).to_have_count(0)
     notebook.cell("publisher.publish")
     cell = notebook.run_below("viewer")
@@ -188,7 +188,7 @@ def test_kernel_restart_closes_the_side_panel_and_a_rerun_opens_it(notebook: Not
     )
     expect(panel(notebook)).to_have_count(0)
     expect(notebook.page.locator(".course-elsewhere:visible")).to_have_count(0)
-    expect(in_cells(notebook).first).to_be_visible()
+    in_cells(notebook).first.wait_for()
 
 
 def test_panels_of_two_notebooks_are_tabs_that_follow_them_and_code_stays_readable(lab: Lab) -> None:
@@ -216,4 +216,4 @@ def test_panels_of_two_notebooks_are_tabs_that_follow_them_and_code_stays_readab
             assert not notebook.page.locator(FILE_BROWSER).is_visible()
             tab.first.locator(".lm-TabBar-tabCloseIcon").click()
             expect(tab).to_have_count(remaining)
-        expect(notebook.page.locator(FILE_BROWSER)).to_be_visible()
+        notebook.page.locator(FILE_BROWSER).wait_for()

@@ -107,7 +107,7 @@ def test_stop_button_ends_a_loop_that_catches_interrupts(notebook: Notebook) -> 
 
 def test_other_cells_run_while_a_callback_sleeps_a_full_period(notebook: Notebook) -> None:
     cell = start(notebook, SLEEPER)
-    expect(cell.get_by_text("hint: tick of /sleeper took 1 s")).to_be_visible()
+    cell.get_by_text("hint: tick of /sleeper took 1 s").wait_for()
     assert notebook.kernel("print(1 + 1)") == "2\n"
     cell.get_by_role("button", name="Stop").click()
     expect(label(cell)).to_have_text(text("stopped: sleeper"))
@@ -115,9 +115,9 @@ def test_other_cells_run_while_a_callback_sleeps_a_full_period(notebook: Noteboo
 
 def test_busy_line_of_a_cell_is_reported_and_can_be_interrupted(notebook: Notebook) -> None:
     cell = start(notebook, SPIN)
-    expect(cell.get_by_text(text(rf"/stuck has been busy for \d+ s in {ENDLESS}"))).to_be_visible()
+    cell.get_by_text(text(rf"/stuck has been busy for \d+ s in {ENDLESS}")).wait_for()
     interrupt(notebook)
-    expect(cell.get_by_text(text(rf"Stopped after 0.1 s of robot time, in {ENDLESS}"))).to_be_visible()
+    cell.get_by_text(text(rf"Stopped after 0.1 s of robot time, in {ENDLESS}")).wait_for()
     notebook.wait_idle()
 
 
@@ -131,9 +131,9 @@ def test_interrupt_ends_an_awaited_call(notebook: Notebook) -> None:
     cell = start(notebook, AWAITED)
     # JupyterLab shows [*] before the kernel begins with the cell: an interrupt would come too early
     # then.
-    expect(cell.get_by_text("spinning").first).to_be_visible()
+    cell.get_by_text("spinning").first.wait_for()
     interrupt(notebook)
-    expect(cell.get_by_text(text("Stopped after .* of robot time"))).to_be_visible()
+    cell.get_by_text(text("Stopped after .* of robot time")).wait_for()
     notebook.wait_idle()
 
 

@@ -97,7 +97,7 @@ def test_viewer_opens_in_a_tab_through_the_hub_proxy(running: Notebook) -> None:
     tab = opened_tab(running)
     assert "/user/ada/proxy/" in tab.url
     view = tab.locator("canvas").first
-    expect(view).to_be_visible()
+    view.wait_for()
     wait_until(lambda: red_pixels(view) > 800, tab, A_FRAME)
     tab.close()
 
@@ -107,7 +107,7 @@ def test_lesson_one_runs_on_a_hub_with_rqt_and_checks(running: Notebook) -> None
     running.run_rest()
     assert running.errors() == []
     expect(running.cell("%ros2 topic list")).to_contain_text("/visualization_marker")
-    expect(running.run_below("%rqt graph").locator(".rqt").first).to_be_visible()
+    running.run_below("%rqt graph").locator(".rqt").first.wait_for()
     checked = running.run_below('from course_lib import check\ncheck("week01.red_cube", lambda stamp: None)')
     expect(checked).to_contain_text("checks passed")
 
@@ -120,7 +120,7 @@ def test_kernel_with_live_nodes_is_not_idle_and_is_culled_after_they_stop(hub: H
     wait_until(lambda: kernels()[0]["last_activity"] > kernel["last_activity"], grace.page, A_LOOK)
     grace.run_below("live.stop()")
     wait_until(lambda: kernels() == [], grace.page, A_LOOK)
-    expect(grace.page.get_by_text("No Kernel").first).to_be_visible()
+    grace.page.get_by_text("No Kernel").first.wait_for()
     wait_for_red(grace.cell(SHOW))
     grace.page.close()
 

@@ -49,7 +49,7 @@ def test_sliders_are_accessible_by_keyboard_and_screen_reader(notebook: Notebook
 
 def test_arrow_keys_move_a_slider_by_a_thousandth(notebook: Notebook) -> None:
     cell = notebook.cell("joint_sliders(publisher)")
-    expect(cell.get_by_text("-3.142 … 3.142 rad")).to_be_visible()
+    cell.get_by_text("-3.142 … 3.142 rad").wait_for()
     elbow = cell.get_by_role("slider", name="elbow_joint")
     elbow.focus()
     for key in ("ArrowRight",) * 4 + ("ArrowUp",) * 2 + ("ArrowLeft",):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import psutil
 import pytest
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import Locator
 
 from tests.browser.jupyterlab import Lab, Notebook, opened, red_pixels, view_of
 from tests.browser.waiting import A_FRAME, wait_until
@@ -67,7 +67,7 @@ def test_scene_is_kept_after_a_page_reload_even_if_its_models_arrive_late(runnin
     running.page.evaluate("sessionStorage.setItem('pause', '2100')")
     running.open()
     wait_for_red(running.cell(SHOW))
-    expect(running.cell(LIVE).get_by_role("button", name="Stop")).to_be_visible()
+    running.cell(LIVE).get_by_role("button", name="Stop").wait_for()
 
 
 def test_rerunning_a_cell_removes_the_listeners_of_its_previous_viewer(running: Notebook) -> None:
@@ -81,9 +81,9 @@ def test_rerunning_a_cell_removes_the_listeners_of_its_previous_viewer(running: 
 
 def test_stop_button_stops_the_live_node(running: Notebook) -> None:
     cell = running.cell(LIVE)
-    expect(cell.get_by_text("running")).to_be_visible()
+    cell.get_by_text("running").wait_for()
     cell.get_by_role("button", name="Stop").click()
-    expect(cell.get_by_text("stopped")).to_be_visible()
+    cell.get_by_text("stopped").wait_for()
     stopped_at = running.kernel(NOW)
     running.page.wait_for_timeout(300)
     assert running.kernel(NOW) == stopped_at

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import Locator
 
 from course_lib.course.state import exercises_dir, lessons
 from tests.browser.jupyterlab import Lab, Notebook, count_pixels, opened, view_of
@@ -93,4 +93,4 @@ def test_lesson_quiz_shows_an_explanation_after_a_click(lesson: Lesson) -> None:
     right = next(answer for answer in questions[0]["answer"] if answer.get("right"))
     cell = lesson.notebook.cell(f'quiz("{lesson.week}")')
     cell.get_by_text(right["text"], exact=True).click()
-    expect(cell.get_by_text(f"✔ Right. {right['reason']}")).to_be_visible()
+    cell.get_by_text(f"✔ Right. {right['reason']}").wait_for()

@@ -132,7 +132,7 @@ def test_kernel_restart_keeps_the_images_and_a_rerun_draws_new_views(notebook: N
     notebook.page.evaluate("courseNotebook().context.sessionContext.session.kernel.restart()")
     notebook.wait_idle()
     assert are_all(notebook, 2)
-    expect(notebook.page.get_by_text(ENDED).first).to_be_visible()
+    notebook.page.get_by_text(ENDED).first.wait_for()
     notebook.run_all()
     wait_until(lambda: are_all(notebook, 0), notebook.page, A_FRAME)
     expect(notebook.page.get_by_text(ENDED)).to_have_count(0)
@@ -146,5 +146,5 @@ def test_views_report_a_killed_kernel_but_not_a_busy_one(
     expect(notebook.page.get_by_text(ENDED)).to_have_count(0)
     kill = "session.kernel.requestExecute({ code: 'import os; os.kill(os.getpid(), 9)' }).done.catch(() => 0)"
     notebook.page.evaluate(f"() => void courseNotebook().context.sessionContext.{kill}")
-    expect(notebook.page.get_by_text(ENDED).first).to_be_visible()
+    notebook.page.get_by_text(ENDED).first.wait_for()
     notebook.page.get_by_role("dialog").get_by_role("button", name="Ok").click()

@@ -53,7 +53,7 @@ def enter(page: Page, server: Served, name: str) -> None:
     page.goto(server.address)
     page.get_by_label("Your name").fill(name)
     page.get_by_label("Your name").blur()
-    expect(page.locator("#work")).to_be_visible()
+    page.locator("#work").wait_for()
 
 
 def choose(page: Page, student: str, task: str = "Why TF?") -> None:
@@ -67,7 +67,7 @@ def choose(page: Page, student: str, task: str = "Why TF?") -> None:
 
 def wait_until_idle(page: Page) -> None:
     """Wait until the page does nothing: the keys of a page that loads or saves are for no task."""
-    expect(page.locator("#form:not([inert])")).to_be_attached()
+    page.locator("#form:not([inert])").wait_for(state="attached")
 
 
 def press(page: Page, *keys: str) -> None:
@@ -199,9 +199,7 @@ def test_student_text_is_escaped_names_can_be_hidden_and_comments_are_suggested(
         press(page, "Escape")
         choose(page, name)
         expect(page.locator("#history")).to_contain_text(SCRIPT)
-        expect(
-            page.frame_locator("#scene").get_by_text("A person reads and marks this task.")
-        ).to_be_visible()
+        page.frame_locator("#scene").get_by_text("A person reads and marks this task.").wait_for()
         press(page, "a")
         expect(page.get_by_role("button", name="Hide names")).to_have_attribute("aria-pressed", "true")
         expect(page.locator("#title")).to_contain_text("Student ")

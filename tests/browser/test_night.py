@@ -11,6 +11,7 @@ from playwright.sync_api import Locator, expect
 from course_lib.course.questions import load_prediction, load_quiz
 from tests.browser.jupyterlab import KERNEL, Lab, Notebook, opened, red_pixels
 from tests.browser.waiting import A_FRAME, wait_until
+from tests.patience import PATIENCE
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
@@ -83,7 +84,7 @@ def reopened(lab: Lab) -> Iterator[Notebook]:
         wait_until(lambda: red_pixels(view) > ENOUGH, notebook.page, A_FRAME)
         notebook.cell("predict(").get_by_text(GUESS.text, exact=True).click()
         notebook.cell("quiz(").get_by_text(RECALL.right.text, exact=True).click()
-        expect(notebook.cell("quiz(").get_by_text("✔ Right.")).to_be_visible()
+        notebook.cell("quiz(").get_by_text("✔ Right.").wait_for()
         notebook.cell("viewer.add")
         number = notebook.cell("joint_sliders(").get_by_role("spinbutton", name="elbow_joint, as a number")
         number.fill("-1.25")
@@ -104,7 +105,7 @@ def picture(notebook: Notebook, name: str) -> None:
 
 def saved(cell: Locator) -> Locator:
     line = cell.locator(".course-saved")
-    expect(line.first).to_be_visible()
+    line.first.wait_for()
     return line
 
 
@@ -115,27 +116,27 @@ def test_reopened_view_shows_its_last_image_and_a_continue_button(reopened: Note
     image = cell.locator("img")
     # The cube was blue when the view's cell was run, and red when the notebook was saved.
     assert image.evaluate(RED_PIXELS) > ENOUGH
-    expect(cell.get_by_role("button", name="Continue here")).to_be_visible()
+    cell.get_by_role("button", name="Continue here").wait_for()
 
 
 def test_reopened_predictions_and_quizzes_show_the_student_answers(reopened: Notebook) -> None:
     cell = reopened.cell("predict(")
     saved(cell)
-    expect(cell.get_by_text(f"◉ {GUESS.text}")).to_be_visible()
+    cell.get_by_text(f"◉ {GUESS.text}").wait_for()
     cell = reopened.cell("quiz(")
     saved(cell)
-    expect(cell.get_by_text(f"◉ {RECALL.right.text}")).to_be_visible()
-    expect(cell.get_by_text(f"✔ Right. {RECALL.right.reason}")).to_be_visible()
+    cell.get_by_text(f"◉ {RECALL.right.text}").wait_for()
+    cell.get_by_text(f"✔ Right. {RECALL.right.reason}").wait_for()
     picture(reopened, "night_questions")
 
 
 def test_reopened_checks_show_their_last_result_and_all_widgets_are_drawn(reopened: Notebook) -> None:
     cell = reopened.cell("check(")
-    expect(cell.get_by_text("0 of 7 checks passed")).to_be_visible()
-    expect(cell.locator("img")).to_be_visible()
+    cell.get_by_text("0 of 7 checks passed").wait_for()
+    cell.locator("img").wait_for()
     assert saved(cell).count() == 1
     cell = reopened.cell("run_live(")
-    expect(cell.get_by_text("idler ran here. Run this cell to start it again.")).to_be_visible()
+    cell.get_by_text("idler ran here. Run this cell to start it again.").wait_for()
     picture(reopened, "night_checks")
     for phrase in ("Error displaying widget", "HBox("):
         expect(reopened.page.get_by_text(phrase)).to_have_count(0)
@@ -144,18 +145,18 @@ def test_reopened_checks_show_their_last_result_and_all_widgets_are_drawn(reopen
 def test_reopened_rqt_view_and_sliders_show_their_last_state(reopened: Notebook) -> None:
     cell = reopened.cell("%rqt graph")
     saved(cell)
-    expect(cell.get_by_text("Node Graph")).to_be_visible()
+    cell.get_by_text("Node Graph").wait_for()
     # The sliders' node was started after the view was opened.
     graph = cell.locator(".rqt-screen img").get_attribute("src") or ""
     assert "/joint_state_publisher" in b64decode(graph.partition("base64,")[2]).decode()
     cell = reopened.cell("joint_sliders(")
     saved(cell)
-    expect(cell.get_by_text("-1.250", exact=True)).to_be_visible()
-    expect(cell.get_by_text("elbow_joint")).to_be_visible()
+    cell.get_by_text("-1.250", exact=True).wait_for()
+    cell.get_by_text("elbow_joint").wait_for()
     picture(reopened, "night_controls")
-    expect(reopened.cell("%rqt topic").locator("span").get_by_text("/cube", exact=True)).to_be_visible()
+    reopened.cell("%rqt topic").locator("span").get_by_text("/cube", exact=True).wait_for()
     cell = reopened.cell("words of my own")
-    expect(cell.locator("i").get_by_text("words of my own")).to_be_visible()
+    cell.locator("i").get_by_text("words of my own").wait_for()
     expect(cell.locator(".widget-readout")).to_have_text("7")
     picture(reopened, "night_own_widget")
 
@@ -164,7 +165,7 @@ def test_continue_button_runs_the_required_cells_and_the_view_is_live_again(reop
     cell = reopened.cell("viewer.add")
     saved(cell)
     cell.get_by_role("button", name="Continue here").click()
-    expect(cell.locator("canvas").first).to_be_visible()
+    cell.locator("canvas").first.wait_for()
     reopened.wait_idle()
     reopened.run_below("cube.color.r, cube.color.b = 1.0, 0.0\npublisher.publish(cube)\nspin_for(0.5)")
     view = reopened.cell("viewer.add").locator("canvas").first
@@ -176,7 +177,7 @@ def test_continue_button_runs_the_required_cells_and_the_view_is_live_again(reop
 def test_cells_that_were_out_of_sight_have_a_continue_button_after_reopening(reopened: Notebook) -> None:
     cell = reopened.cell("far below")
     saved(cell)
-    expect(cell.get_by_text(f"○ {GUESS.text}")).to_be_visible()
+    cell.get_by_text(f"○ {GUESS.text}").wait_for()
     # One for both of its outputs.
     expect(cell.get_by_role("button", name="Continue here")).to_have_count(1)
 
@@ -191,11 +192,12 @@ def test_static_page_shows_image_and_answers(reopened: Notebook) -> None:
     browser = reopened.page.context.browser
     assert browser is not None
     page = browser.new_page()
+    page.set_default_timeout(PATIENCE * 1000)
     page.set_content(html, wait_until="domcontentloaded")
-    expect(page.get_by_text(f"◉ {RECALL.right.text}")).to_be_visible()
-    expect(page.locator(".jp-RenderedImage img").first).to_be_visible()
-    expect(page.get_by_text("-1.250", exact=True)).to_be_visible()
-    expect(page.locator(".rqt img").first).to_be_visible()
+    page.get_by_text(f"◉ {RECALL.right.text}").wait_for()
+    page.locator(".jp-RenderedImage img").first.wait_for()
+    page.get_by_text("-1.250", exact=True).wait_for()
+    page.locator(".rqt img").first.wait_for()
     if PICTURES:
         page.screenshot(path=Path(PICTURES) / "night_static.png", full_page=True)
     page.close()
@@ -210,16 +212,16 @@ def test_open_page_reports_the_end_of_its_kernel_and_the_continue_button_starts_
 ) -> None:
     cell = reopened.cell("predict(")
     cell.get_by_role("button", name="Continue here").click()
-    expect(cell.locator("input[type=radio]").first).to_be_visible()
+    cell.locator("input[type=radio]").first.wait_for()
     reopened.wait_idle()
     reopened.page.evaluate("jupyterapp.serviceManager.sessions.shutdownAll()")
     cell = reopened.cell("predict(")
-    expect(cell.get_by_text("The kernel has ended.")).to_be_visible()
+    cell.get_by_text("The kernel has ended.").wait_for()
     picture(reopened, "night_ended")
     cell.get_by_role("button", name="Continue here").click()
     reopened.wait_idle()
     expect(cell.locator(".course-saved")).to_have_count(0)
-    expect(cell.locator("input[type=radio]").first).to_be_visible()
+    cell.locator("input[type=radio]").first.wait_for()
     assert reopened.errors() == []
 
 
@@ -230,13 +232,13 @@ def test_controls_of_a_restarted_kernel_become_text_without_broken_links(reopene
     number.fill("0.75")
     number.press("Enter")
     reopened.page.evaluate(f"{KERNEL}.restart()")
-    expect(saved(sliders).get_by_text("The kernel has ended.")).to_be_visible()
-    expect(sliders.get_by_text("0.750", exact=True)).to_be_visible()
+    saved(sliders).get_by_text("The kernel has ended.").wait_for()
+    sliders.get_by_text("0.750", exact=True).wait_for()
     expect(sliders.locator("input")).to_have_count(0)
     live = reopened.cell("run_live(")
-    expect(live.get_by_text("idler ran here. Run this cell to start it again.")).to_be_visible()
+    live.get_by_text("idler ran here. Run this cell to start it again.").wait_for()
     view = reopened.cell("viewer.add")
-    expect(view.locator("canvas").first).to_be_visible()
+    view.locator("canvas").first.wait_for()
     icons = """cell => [...cell.querySelectorAll(".jupyter-widgets-disconnected")]
         .map(widget => getComputedStyle(widget, "::before").content)"""
     assert set(view.evaluate(icons)) <= {"none"}

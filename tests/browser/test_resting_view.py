@@ -59,12 +59,12 @@ def test_panels_of_a_frozen_view_are_read_only(bench: Bench) -> None:
     host.open(view)
     host.show(view, 780)
     bench.press("Displays panel")
-    expect(bench.row("Marker")).to_be_visible()
+    bench.row("Marker").wait_for()
     expect(page.locator(".course-tree input")).to_have_count(0)
-    expect(page.get_by_role("button", name="Add a display")).to_be_hidden()
+    page.get_by_role("button", name="Add a display").wait_for(state="hidden")
     bench.row("Marker").press("Delete")
-    expect(page.get_by_text("This view is at rest. Run its cell again to change it.")).to_be_visible()
-    expect(bench.row("Marker")).to_be_visible()
+    page.get_by_text("This view is at rest. Run its cell again to change it.").wait_for()
+    bench.row("Marker").wait_for()
 
 
 def test_replay_plays_from_the_start_and_again_without_a_click(bench: Bench) -> None:

@@ -72,7 +72,7 @@ def look(notebook: Notebook, cell: Locator, name: str) -> None:
 
 @pytest.mark.parametrize("view", VIEWS)
 def test_rqt_views_are_accessible_by_keyboard_and_screen_reader(notebook: Notebook, view: str) -> None:
-    expect(notebook.cell(view).locator(".rqt").first).to_be_visible()
+    notebook.cell(view).locator(".rqt").first.wait_for()
     notebook.cell(view).evaluate("cell => cell.id = 'looked-at'")
     usual = notebook.page.viewport_size
     assert usual is not None
@@ -89,10 +89,10 @@ def test_rqt_views_are_accessible_by_keyboard_and_screen_reader(notebook: Notebo
 def test_rqt_graph_updates_when_nodes_change(notebook: Notebook) -> None:
     cell = notebook.cell(VIEWS[0])
     expect(cell.locator("ellipse")).to_have_count(2)
-    expect(cell.get_by_role("img", name="2 nodes. /arm/controller to /arm/angle")).to_be_visible()
+    cell.get_by_role("img", name="2 nodes. /arm/controller to /arm/angle").wait_for()
     notebook.kernel("planner.create_publisher(Float64, 'goal', 1)")
     cell.get_by_label("Show").select_option("Nodes/Topics (all)")
-    expect(cell.locator("svg text", has_text="/goal")).to_be_visible()
+    cell.locator("svg text", has_text="/goal").wait_for()
     look(notebook, cell, "graph")
 
 
@@ -117,11 +117,11 @@ def test_parameters_are_set_while_nodes_run_and_a_rejected_value_shows_the_reaso
     frame = cell.get_by_label("frame")
     frame.fill("map")
     frame.press("Enter")
-    expect(cell.get_by_text("Not set: there is only base")).to_be_visible()
+    cell.get_by_text("Not set: there is only base").wait_for()
     expect(frame).to_have_value("base")
     cell.get_by_role("slider", name="gain").focus()
     notebook.page.keyboard.press("ArrowRight")
-    expect(cell.get_by_text("set", exact=True)).to_be_visible()
+    cell.get_by_text("set", exact=True).wait_for()
     assert float(notebook.kernel("print(arm.get_parameter('gain').value)")) > 1.0
 
 
@@ -129,10 +129,10 @@ def test_rqt_service_caller_shows_the_response_and_closes(notebook: Notebook) ->
     cell = notebook.cell(VIEWS[2])
     cell.get_by_label("Request").fill("{a: 20, b: 22}")
     cell.get_by_role("button", name="Call").press("Enter")
-    expect(cell.get_by_text("sum: 42")).to_be_visible()
+    cell.get_by_text("sum: 42").wait_for()
     look(notebook, cell, "services")
     cell.get_by_role("button", name="Close").first.press("Enter")
     expect(cell.get_by_text("Dynamic Reconfigure")).to_have_count(0)
-    expect(cell.get_by_text("Service Caller")).to_be_visible()
+    cell.get_by_text("Service Caller").wait_for()
     assert notebook.errors() == []
     wait_until(lambda: int(notebook.kernel("print(len(heard))")) > 10, notebook.page)

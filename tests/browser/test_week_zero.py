@@ -4,7 +4,6 @@ import json
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import expect
 
 from course_lib.course.exercise import read_notebook
 from course_lib.course.state import State
@@ -33,7 +32,7 @@ def test_one_click_stores_the_id_and_writes_it_into_the_exercises(lesson: Notebo
     cell = lesson.cell("ask_identity()")
     cell.get_by_role("textbox").last.fill(" 2023 77 ")
     cell.get_by_role("button", name="Keep").click()
-    expect(cell.get_by_text("Your ID is 202377")).to_be_visible()
+    cell.get_by_text("Your ID is 202377").wait_for()
     assert json.loads((lesson.folder / ".course" / "identity.json").read_text()) == {"student": "202377"}
     assert read_notebook(lesson.folder / "week01_exercise.ipynb")["metadata"]["course"]["student"] == "202377"
 
@@ -41,15 +40,15 @@ def test_one_click_stores_the_id_and_writes_it_into_the_exercises(lesson: Notebo
 def test_prediction_is_stored_and_shown_next_to_the_result(lesson: Notebook) -> None:
     cell = lesson.cell('predict("week00.shape")')
     cell.get_by_text("a circle", exact=True).click()
-    expect(cell.get_by_text("Kept.")).to_be_visible()
+    cell.get_by_text("Kept.").wait_for()
     assert State(lesson.folder).section("predictions") == {"week00.shape": "a circle"}
     result = lesson.run_to('compare("week00.shape"')
-    expect(result.get_by_text("You predicted: a circle.")).to_be_visible()
+    result.get_by_text("You predicted: a circle.").wait_for()
 
 
 def test_quiz_shows_an_explanation_after_each_click(lesson: Notebook) -> None:
     cell = lesson.cell("quiz(")
     cell.get_by_text("2D Goal Pose", exact=True).click()
-    expect(cell.get_by_text("✘ Not this one. That sends it somewhere")).to_be_visible()
+    cell.get_by_text("✘ Not this one. That sends it somewhere").wait_for()
     cell.get_by_text("2D Pose Estimate", exact=True).click()
-    expect(cell.get_by_text("✔ Right. It publishes a pose estimate")).to_be_visible()
+    cell.get_by_text("✔ Right. It publishes a pose estimate").wait_for()
