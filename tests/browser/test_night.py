@@ -1,5 +1,6 @@
 """A notebook whose kernel has ended: closed in the evening, opened again the next day."""
 
+import json
 import os
 from base64 import b64decode
 from collections.abc import Iterator
@@ -9,6 +10,7 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from course_lib.course.questions import load_prediction, load_quiz
+from course_lib.third_party import read_json
 from tests.browser.jupyterlab import KERNEL, Lab, Notebook, opened, red_pixels
 from tests.browser.waiting import A_FRAME, wait_until
 from tests.patience import PATIENCE
@@ -243,3 +245,24 @@ def test_controls_of_a_restarted_kernel_become_text_without_broken_links(reopene
         .map(widget => getComputedStyle(widget, "::before").content)"""
     assert set(view.evaluate(icons)) <= {"none"}
     picture(reopened, "night_restarted")
+
+
+def test_notebook_from_another_computer_shows_pictures_and_continue_buttons(reopened: Notebook) -> None:
+    content = read_json((reopened.folder / reopened.name).read_bytes())
+    # JupyterLab trusts the contents that it has saved itself.
+    content["metadata"]["author"] = "another computer"
+    (reopened.folder / "received.ipynb").write_text(json.dumps(content))
+    reopened.leave_for("received.ipynb")
+    cell = reopened.cell("quiz(")
+    saved(cell)
+    expect(cell.get_by_text(f"◉ {RECALL.right.text}")).to_be_visible()
+    cell = reopened.cell("viewer.add")
+    saved(cell)
+    expect(cell.locator("img")).to_be_visible()
+    assert "Fixed Frame" in (cell.locator("img").get_attribute("alt") or "")
+    picture(reopened, "night_received")
+    cell.get_by_role("button", name="Continue here").click()
+    expect(cell.locator("canvas").first).to_be_visible()
+    reopened.wait_idle()
+    expect(cell.locator(".course-saved")).to_have_count(0)
+    assert reopened.errors() == []

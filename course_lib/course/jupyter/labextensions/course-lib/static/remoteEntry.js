@@ -4,6 +4,7 @@
 // shares, `get` returns the plugin.
 (() => {
   const WIDGET = "application/vnd.jupyter.widget-view+json";
+  const UNTRUSTED = "application/x.course-lib.untrusted-widget"; // of a notebook that came from another computer
   const SAVED = ["text/html", "image/png", "text/plain"]; // in the order of preference
   const PATIENCE = 600; // [ms] that a widget may take to appear before the saved picture is shown
   const REPR = /^\w+\(\w+=/; // text/plain of a widget for which nothing was saved
@@ -17,6 +18,7 @@
   const COLUMNS = 88; // of code that stay readable beside a view
   const SHARE = 0.6; // of the notebook, where a view is beside it
   const LEAST = 420; // [px] width of a view beside the notebook
+  const VIEWER = "RViz"; // in the title of a panel with a view
 
   /** Modules that JupyterLab shares: name, version, entry. */
   let scope = {};
@@ -88,6 +90,8 @@
     if (type) {
       const saved = rendermime.createRenderer(type);
       await saved.renderModel(model);
+      const image = type === "image/png" && saved.node.querySelector("img");
+      if (image) image.alt = [model.data["text/plain"] ?? ""].flat().join(""); // what the view shows, in words
       parts.push(saved.node);
     }
     const cell = await waitForCell(tracker, renderer);
@@ -161,6 +165,25 @@
           showSaved(app, tracker, rendermime, renderer, model, ENDED);
         }
       }
+    };
+  }
+
+  /**
+   * Show what was saved beside a widget in notebooks that JupyterLab does not trust, too, with the line that says how
+   * to go on. JupyterLab renders no widgets there, and without this only the picture would appear. HTML is sanitized.
+   */
+  function keepUntrusted(app, rendermime, tracker) {
+    const createRenderer = () => {
+      const renderer = rendermime.createRenderer(WIDGET);
+      renderer.renderModel = (model) => showSaved(app, tracker, rendermime, renderer, model);
+      return renderer;
+    };
+    rendermime.addFactory({ safe: true, mimeTypes: [UNTRUSTED], createRenderer });
+    const prototype = Object.getPrototypeOf(rendermime); // each notebook has a registry of its own
+    const { preferredMimeType } = prototype;
+    prototype.preferredMimeType = function (bundle, safe = "ensure") {
+      const isHidden = safe === "ensure" && bundle[WIDGET]?.model_id;
+      return isHidden ? UNTRUSTED : preferredMimeType.call(this, bundle, safe);
     };
   }
 
@@ -305,8 +328,16 @@
       if (!panel?.parent?.layout?.moveHandle || !notebook || panels.get(notebook) === panel) return;
       const other = [...panels.values()].find((one) => one.isAttached);
       panels.set(notebook, panel);
-      panel.title.caption = `View of ${notebook.title.label}`;
+      // As RViz's window, which bears the name of its file: with two notebooks, there are two such panels.
+      const nameIt = () => {
+        const { label } = notebook.title;
+        panel.title.label = `${VIEWER}: ${label.replace(/\.ipynb$/, "")}`;
+        panel.title.caption = `View of ${label}`;
+      };
+      nameIt();
+      notebook.title.changed.connect(nameIt);
       panel.disposed.connect(() => {
+        notebook.title.changed.disconnect(nameIt);
         if (panels.get(notebook) === panel) panels.delete(notebook);
         unfold();
       });
@@ -335,6 +366,7 @@
       activate: (app, rendermime, tracker) => {
         hideBrokenLinks();
         const sayEnded = keep(app, rendermime, tracker);
+        keepUntrusted(app, rendermime, tracker);
         arrangePanels(app, tracker);
         const watch = (panel) => {
           queueSaves(panel.context);
