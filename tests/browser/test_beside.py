@@ -12,7 +12,7 @@ from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
-TAB = ".lm-TabBar-tab:has-text('RViz view')"
+TAB = ".lm-TabBar-tab:has-text('RViz: ')"
 ENOUGH = 5000  # [px] of the cube
 FILE_BROWSER = ".jp-FileBrowser"
 READABLE = 79  # columns of code
@@ -191,6 +191,14 @@ def test_kernel_restart_closes_the_side_panel_and_a_rerun_opens_it(notebook: Not
     in_cells(notebook).first.wait_for()
 
 
+def test_run_all_cells_opens_the_panel_though_no_view_is_in_sight(lab: Lab) -> None:
+    far_away = ["# JupyterLab skips the cells that are far out of sight." + "\n" * 30] * 70
+    with opened(lab, "beside_far.ipynb", [*CELLS, *far_away]) as notebook:
+        notebook.run_all()
+        expect(panel(notebook)).to_have_count(1)
+        wait_until(lambda: red_pixels(panel(notebook)) > ENOUGH, notebook.page, A_FRAME)
+
+
 def test_panels_of_two_notebooks_are_tabs_that_follow_them_and_code_stays_readable(lab: Lab) -> None:
     with opened(lab, "beside_two.ipynb", CELLS) as notebook:
         notebook.run_all()
@@ -203,7 +211,7 @@ def test_panels_of_two_notebooks_are_tabs_that_follow_them_and_code_stays_readab
         notebook.wait_idle()
         notebook.run_all()
         tab = notebook.page.locator(TAB)
-        expect(tab).to_have_count(2)
+        expect(tab).to_have_text(["RViz: beside_two", "RViz: blue"])
         wait_until(lambda: panel(notebook).count() == 1, notebook.page)
         wait_until(lambda: red_pixels(panel(notebook)) == 0, notebook.page, A_FRAME)
         wait_until(lambda: columns(notebook) >= READABLE, notebook.page)

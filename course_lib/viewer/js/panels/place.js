@@ -7,6 +7,7 @@ const SIDE_PANEL = ".jupyterlab-sidecar"; // the panel that JupyterLab opens for
 const MIN_WIDTH = 1200; // [px] width of the page from which on there is room for 79 columns of code and a view
 const OPENING_TIME = 4000; // [ms] that a panel may take to open before the view is shown in its cell
 const SWAP_TIME = 400; // [ms] in which a panel that remains receives its next view
+const INSERTED_AFTER = [250, 1000, 4000]; // [ms] an element is in the page, depending on the load of the machine
 
 /** @type {Set<Place>} all views of the page */
 const places = new Set();
@@ -36,8 +37,10 @@ export class Place {
     this.text = createElement("span");
     this.line = createElement("div", { className: "course-elsewhere", hidden: true }, this.text, this.takeButton, back);
     element.append(this.line);
-    this.resizeObserver = new ResizeObserver(() => this.updateLocation()); // called once the element is in the page
+    this.resizeObserver = new ResizeObserver(() => this.updateLocation()); // called once the element is in sight
     this.resizeObserver.observe(element);
+    // After Run All Cells the notebook shows its end: no view is in sight, but one of them should be beside it.
+    this.timers = INSERTED_AFTER.map((time) => setTimeout(() => this.updateLocation(), time));
     link.places.add(this);
     places.add(this);
   }
@@ -85,6 +88,7 @@ export class Place {
 
   dispose() {
     this.resizeObserver.disconnect();
+    this.timers.forEach(clearTimeout);
     this.link.places.delete(this);
     places.delete(this);
     this.line.remove();
