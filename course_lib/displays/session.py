@@ -9,7 +9,7 @@ before it.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import chain
@@ -103,6 +103,8 @@ class RvizSession:
         self.node_errors: Callable[[], Iterable[str]] = tuple
         # Returns why nothing arrives from a linked robot, or "".
         self.link_error: Callable[[], str] = str
+        # Returns the types of a topic's publishers.
+        self.published_types: Callable[[str], Collection[str]] = lambda topic: ()
         # Returns the messages that publishers keep.
         self.latched: Callable[[], Iterable[Sample]] = tuple
         self.tools = all_tools()
@@ -422,14 +424,20 @@ class RvizSession:
     def rows_of(self, display: Display) -> list[StatusRow]:
         """Return a display's statuses, with hints.
 
-        A display without messages gets the names of other topics with messages of its type.
+        A display without messages gets the names of other topics with messages of its type, unless
+        its own topic has a publisher: the first message of a slow node takes a while.
         """
         with contained(display.statuses, "Statuses"):
             rows = list(display.rows())
             topics = {subscription.topic for subscription in display.subscriptions}
             types = {subscription.type_name for subscription in display.subscriptions}
             other_topics = sorted(topic for topic, type_name in self.types.items() if type_name in types)
-            if topics and not topics & self.types.keys() and other_topics:
+            is_silent = bool(topics) and not topics & self.types.keys()
+            if (
+                is_silent
+                and other_topics
+                and not any(types & set(self.published_types(topic)) for topic in topics)
+            ):
                 others_text = ", ".join(other_topics)
                 text = (
                     f"no message has arrived on {min(topics)}; messages of its type arrive on {others_text}."

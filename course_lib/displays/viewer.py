@@ -71,6 +71,9 @@ class Viewer(KnownAttributes):
         session.unspun = lambda: list(names.values())
         session.node_errors = lambda: list(errors.values())
         session.link_error = graph.link_error
+        session.published_types = lambda topic: {
+            info.type_name for info in graph.endpoints_on(topic) if info.kind == "pub"
+        }
         session.deliver_latched(session.subscriptions)
         self.add("Grid")
 

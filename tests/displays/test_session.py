@@ -82,6 +82,13 @@ def test_hint_for_a_silent_topic_lists_active_topics_of_its_type() -> None:
     ]
 
 
+def test_topic_with_a_publisher_that_has_not_yet_published_gets_no_hint() -> None:
+    bench = Bench()
+    bench.publish("/marker", marker())
+    bench.session.published_types = {"/markers": {"visualization_msgs/msg/Marker"}}.__getitem__
+    assert bench.hints(bench.marker) == []
+
+
 def test_all_messages_of_a_recording_are_delivered_regardless_of_qos() -> None:
     bench = Bench(match_qos=False)
     bench.array["Durability Policy"] = "Transient Local"

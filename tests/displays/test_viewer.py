@@ -17,6 +17,7 @@ from course_lib.robots.kinematics import link_poses
 from course_lib.robots.mobile_manipulator import simple_painter
 from course_lib.robots.robot import load_robot
 from course_lib.ros.graph.graph import Graph
+from course_lib.ros.graph.topics import Qos
 from course_lib.viewer import encoding
 from tests.displays.bench import marker
 from tests.displays.stage import LATCHED, publish, visible_nodes
@@ -89,6 +90,15 @@ def test_late_joining_viewer_receives_static_transforms(graph: Graph) -> None:
     transform.header.frame_id = "map"
     publish(graph, "/tf_static", TFMessage(transforms=[transform]), LATCHED)
     assert ("Global Status", "Fixed Frame", "ok", "OK") in Viewer().statuses()
+
+
+def test_slow_publisher_of_a_display_gets_no_hint_about_other_topics(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer.add("Marker", topic="/plan")
+    publish(graph, "/cube", marker())
+    assert "no message has arrived on /plan" in str(viewer.statuses())
+    graph.add_publisher(graph.add_node("planner", "/"), "/plan", "visualization_msgs/msg/Marker", Qos())
+    assert "no message has arrived on /plan" not in str(viewer.statuses())
 
 
 def test_markers_expire_by_robot_time(graph: Graph) -> None:
