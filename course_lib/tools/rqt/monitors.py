@@ -139,7 +139,8 @@ class TopicView(RqtView):
 
     def refresh(self) -> None:
         """Update the rows."""
-        self.screen.value = f"<b style='display:block;margin-left:214px'>{_cells(_TOPIC_HEADS[1:])}</b>"
+        first, *others = _TOPIC_HEADS
+        self.screen.value = f"<b class='rqt-heads'>{tag('span', first)}{_cells(others)}</b>"
         for topic in (topics := self._topics()):
             if topic not in self.rows:
                 self.rows[topic] = self._row(topic)
