@@ -165,5 +165,5 @@ def test_commands_read_a_worksheet_and_report_the_time_zone_once(tmp_path: Path)
 def test_class_list_with_only_ids_is_accepted(tmp_path: Path, end: str) -> None:
     path = tmp_path / "roster.csv"
     path.write_text(f"id{end}S001{end}s002{end}{end}", newline="")
-    assert list(read_class_list(path).by_id) == ["s001", "s002"]
+    assert [member.id for member in read_class_list(path)] == ["s001", "s002"]
     assert read_class(path, "") == read_class(path, "id") == ["s001", "s002"]

@@ -17,7 +17,7 @@ from course_lib.grading.reports.table import printable
 from course_lib.grading.submissions.choice import ACCEPTED_SUFFIXES, ANY
 from course_lib.grading.submissions.collect import PlatformTime, collect, write_receipts
 from course_lib.grading.submissions.readers import FOLDERS
-from course_lib.grading.submissions.roster import ClassList, read_class_list
+from course_lib.grading.submissions.roster import Member, read_class_list
 
 WORKFLOW = Path(".github/workflows/public_checks.yml")
 TEMPLATE = Path(__file__).with_name("files") / WORKFLOW.name
@@ -84,7 +84,7 @@ def collect_clones(clones: Path, out: Path, roster: Path, pushes: Path | None) -
         CourseError: A file is invalid, or there are no clones.
     """
     members = read_class_list(roster)
-    if not any(member.login for member in members.members):
+    if not any(member.login for member in members):
         raise CourseError(f"{roster}: {ROSTER_HINT}")
     times = _times(pushes) if pushes else {}
     folders = sorted(path for path in clones.glob("*") if (path / ".git").is_dir()) if clones.is_dir() else []
@@ -108,7 +108,7 @@ def collect_clones(clones: Path, out: Path, roster: Path, pushes: Path | None) -
 
 
 def _stage_all(
-    clones: Sequence[Path], place: Path, members: ClassList, times: Mapping[str, str]
+    clones: Sequence[Path], place: Path, members: Sequence[Member], times: Mapping[str, str]
 ) -> tuple[list[str], dict[str, PlatformTime]]:
     """Copy changed exercises into PLACE/STUDENT.
 
@@ -128,10 +128,10 @@ def _stage_all(
     return lines, receipts
 
 
-def _student(name: str, members: ClassList) -> str:
+def _student(name: str, members: Sequence[Member]) -> str:
     """Return the ID of the student with the longest login at the end of a clone's name, or ""."""
     folded_name = name.casefold()
-    fits = [one for one in members.members if one.login and f"-{folded_name}".endswith(f"-{one.login}")]
+    fits = [one for one in members if one.login and f"-{folded_name}".endswith(f"-{one.login}")]
     return max(fits, key=lambda one: len(one.login)).id if fits else ""
 
 

@@ -204,7 +204,7 @@ def grade_upload(
 def _read_upload(path: Path, course: Course) -> Upload:
     """Read the metadata of a submission; without the file, student and time are unknown."""
     roster = course.solutions / ROSTER
-    members = read_class_list(roster).members if roster.is_file() else ()
+    members = read_class_list(roster) if roster.is_file() else ()
     if not path.is_file():
         return Upload(UNKNOWN, False, "", "no address" if members else "")
     try:
@@ -409,7 +409,7 @@ def write_autograder(
     setup = _script("setup.sh").replace("KIT ", f"{kit.words} ".lstrip())
     files = {**dict(_course_files(root, week)), **kit.files}
     if roster is not None:
-        if not any(member.email for member in read_class_list(roster).members):
+        if not any(member.email for member in read_class_list(roster)):
             raise CourseError(f"{roster} has no column 'email', which identifies Gradescope's students")
         files[f"course/solutions/{ROSTER}"] = roster.read_bytes()
     data = io.BytesIO()

@@ -418,7 +418,8 @@ class Store:
         for arrival in download.arrivals():
             if _is_stamp(arrival, download.layout):
                 download_name = download.layout.read(arrival.components)
-                write_atomically(self.out.joinpath(download_name.student, *download_name.place), arrival.data)
+                path = self.out.joinpath(download_name.student, *download_name.place)
+                write_atomically(path, arrival.data)
             elif item := items_by_path.get(arrival.components):
                 try:
                     self._store(arrival, item)
@@ -426,11 +427,11 @@ class Store:
                     if error.errno not in BAD_PATHS:
                         raise
                     why = f"can't be kept: {error.strerror}"
-                    collection.refuse("/".join(arrival.components), why, download.owner(arrival.components))
+                    owner = download.owner(arrival.components)
+                    collection.refuse("/".join(arrival.components), why, owner)
                 else:
-                    collection.notes |= set(
-                        _platform_notes(item.download_name, self.exports, download.layout)
-                    )
+                    notes = _platform_notes(item.download_name, self.exports, download.layout)
+                    collection.notes |= set(notes)
 
     def _store(self, arrival: ReceivedFile, item: DownloadedFile) -> None:
         download_name, collection, rows = item.download_name, self.collection, self.collection.rows
@@ -467,7 +468,7 @@ class Store:
         collection.count += 1
 
     def reject(self, choice: Choice) -> None:
-        """Write a row with the reason for each student without a kept file, for `course grade` to show."""
+        """Write a row with the reason for each student without a kept file, for `course grade`."""
         rows = self.collection.rows
         for download_name, exercise, why in choice.rejected:
             try:
@@ -476,9 +477,10 @@ class Store:
             except CourseError:
                 # No ID can be derived from the name, so only the line in the terminal reports it.
                 continue
-            name = re.sub(r"[^\w .()+-]", "_", download_name.below[-1])[:MAX_NAME].strip(" .") or exercise
-            # A file of this name may be refused, or kept, for another exercise too: each has a row of
-            # its own.
+            name = re.sub(r"[^\w .()+-]", "_", download_name.below[-1])
+            name = name[:MAX_NAME].strip(" .") or exercise
+            # A file of this name may be refused, or kept, for another exercise too: each has a row
+            # of its own.
             file = f"{student}/{name}"
             is_of_other = is_notebook_name(name) and find_exercise_name(name) != exercise
             if is_of_other or rows.get(file, {}).get("exercise", exercise) not in ("", exercise):
@@ -502,7 +504,7 @@ class Store:
         }
 
     def _keep_corrected_time(self, row: dict[str, str], before: Mapping[str, str]) -> dict[str, str]:
-        """Return a row with the time in the existing list, which the instructor may have corrected."""
+        """Return a row with the time in the list, which the instructor may have corrected."""
         if not before.get("received"):
             return row
         if row["received"] not in ("", before["received"]):

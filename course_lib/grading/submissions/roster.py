@@ -12,7 +12,6 @@ from collections import Counter, defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from datetime import UTC, datetime
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 from zoneinfo import ZoneInfo
@@ -303,29 +302,7 @@ class Member:
     login: str = ""
 
 
-@dataclass(frozen=True)
-class ClassList:
-    """All students of a class, in the roster's order."""
-
-    members: tuple[Member, ...]
-
-    @cached_property
-    def by_id(self) -> Mapping[str, Member]:
-        """The students by ID."""
-        return {member.id: member for member in self.members}
-
-    def group_of(self, student: str) -> tuple[Member, ...]:
-        """Return the members of a student's group, including the student.
-
-        The result is () if the student is unknown.
-        """
-        member = self.by_id.get(student)
-        if member is None or not member.group:
-            return (member,) if member else ()
-        return tuple(one for one in self.members if one.group == member.group)
-
-
-def read_class_list(path: Path) -> ClassList:
+def read_class_list(path: Path) -> tuple[Member, ...]:
     """Read roster.csv in any common encoding and delimiter; unknown columns are ignored.
 
     Raises:
@@ -343,7 +320,7 @@ def read_class_list(path: Path) -> ClassList:
         raise CourseError(f"{path} has no student. Expected {EXAMPLE}, and a row for each student")
     for problem in _find_duplicates(members):
         raise CourseError(f"{path}: {problem}. Delete or correct one of the rows")
-    return ClassList(tuple(members))
+    return tuple(members)
 
 
 def ids_of_section(roster: Path | None, section: str) -> frozenset[str] | None:
@@ -356,7 +333,7 @@ def ids_of_section(roster: Path | None, section: str) -> frozenset[str] | None:
         return None
     if not section or roster is None:
         raise CourseError("--section and --roster are needed together: --section A --roster roster.csv")
-    members = read_class_list(roster).members
+    members = read_class_list(roster)
     student_ids = frozenset(one.id for one in members if one.section.casefold() == section.casefold())
     if not student_ids:
         known_sections = ", ".join(sorted({one.section for one in members if one.section})) or "none"
