@@ -102,7 +102,7 @@ def compile_python(source: str | bytes, file: str = "<unknown>", flags: int = 0)
         raise SyntaxError(TOO_DEEP, (file, _first_deep_line(source, flags), None, None)) from error
 
 
-def parse_python(source: str | bytes, file: str = "<unknown>") -> ast.Module:
+def parse_python(source: str | bytes) -> ast.Module:
     """Return the syntax tree of a program, whose nodes are nested at most `MAX_NESTING` deep.
 
     Raises:
@@ -110,14 +110,14 @@ def parse_python(source: str | bytes, file: str = "<unknown>") -> ast.Module:
         SyntaxError: As in `compile_python`, or the tree is nested more deeply. Visitors of a tree
             recurse, and would raise a RecursionError.
     """
-    tree: ast.Module = compile_python(source, file, ast.PyCF_ONLY_AST)
+    tree: ast.Module = compile_python(source, flags=ast.PyCF_ONLY_AST)
     nodes: list[ast.AST] = [tree]
     for _ in range(MAX_NESTING):
         nodes = [child for node in nodes for child in ast.iter_child_nodes(node)]
         if not nodes:
             return tree
     line = next((node.lineno for node in nodes if isinstance(node, ast.expr | ast.stmt)), 1)
-    raise SyntaxError(TOO_DEEP, (file, line, None, None))
+    raise SyntaxError(TOO_DEEP, ("<unknown>", line, None, None))
 
 
 def parse_scopes(source: str) -> symtable.SymbolTable:

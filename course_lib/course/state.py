@@ -57,9 +57,9 @@ class State:
             raise CourseError(f"{path} is broken ({error}). Delete it and run the cell again.") from error
         return content if isinstance(content, dict) else {}
 
-    def get(self, name: str, key: str, default: Any = None) -> Any:
-        """Return a value of a section."""
-        return self.section(name).get(key, default)
+    def get(self, name: str, key: str) -> Any:
+        """Return a value of a section, or None."""
+        return self.section(name).get(key)
 
     def put(self, name: str, key: str, value: Any) -> None:
         """Store a plain value (str, number, bool, list or dict of these)."""

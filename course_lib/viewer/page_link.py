@@ -241,7 +241,7 @@ class PageLink:
         """Register a callback for all messages of a type that pages send."""
         self._listeners[kind] = callback
 
-    def post(self, content: Content, buffers: Sequence[bytes] = ()) -> None:
+    def post(self, content: Content) -> None:
         """Send a message to all pages; its "type" determines the handler.
 
         Pages acknowledge some messages, so that disconnected ones are detected even when the scene
@@ -253,7 +253,7 @@ class PageLink:
                 # The thread measures how long the pages are silent.
                 self._changed.set()
             ask = self._flow.count_message(self.number, 0)
-        self._send(content | ({"ask": True} if ask else {}), list(buffers))
+        self._send(content | ({"ask": True} if ask else {}), [])
 
     def receive(self, content: Content, buffers: Sequence[Any] = ()) -> None:
         """Handle a message from a page. A malformed message is ignored and reported in the views.

@@ -260,8 +260,8 @@ class SceneRecording:
             }
         )
 
-    def scenes(self, seconds: float, count: int = 20) -> Iterator[Scene]:
-        """Yield one scene, as it was at about `count` times of the last seconds [s]."""
+    def scenes(self, seconds: float) -> Iterator[Scene]:
+        """Yield one scene, as it was at about 20 times of the last seconds [s]."""
         with self.scene.lock:
             end, scene = self._now(), copy_of(self._initial_scene)
             frames, oldest = self._frames.frames(), self._start
@@ -269,7 +269,7 @@ class SceneRecording:
         first = _seek(scene, frames, start if start < end else math.inf)
         if first is None:
             return
-        for frame in _thin(chain((first,), frames), (end - start) / count):
+        for frame in _thin(chain((first,), frames), (end - start) / 20):
             _apply(scene, frame)
             yield scene
 
