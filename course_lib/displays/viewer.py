@@ -18,7 +18,7 @@ from course_lib.displays.views import ViewController
 from course_lib.displays.writer import save_rviz
 from course_lib.errors import CourseError
 from course_lib.host import announce, running_cell
-from course_lib.ros.graph.graph import FailedNodes, UnspunNodes, current_graph
+from course_lib.ros.graph.graph import ProgramNodes, current_graph
 from course_lib.viewer.drawables import Camera
 from course_lib.viewer.html import save_html
 from course_lib.viewer.page_link import Click
@@ -67,9 +67,9 @@ class Viewer(KnownAttributes):
         # Runs once no variable or page refers to the viewer.
         self._end = weakref.finalize(self, end_all, stops, self._cell)
         self._end.atexit = False
-        names, errors = graph.state(UnspunNodes).names, graph.state(FailedNodes).errors
-        session.unspun = lambda: list(names.values())
-        session.node_errors = lambda: list(errors.values())
+        nodes = graph.state(ProgramNodes)
+        session.unspun = lambda: list(nodes.unspun.values())
+        session.node_errors = lambda: list(nodes.errors.values())
         session.link_error = graph.link_error
         session.published_types = lambda topic: {
             info.type_name for info in graph.endpoints_on(topic) if info.kind == "pub"

@@ -361,23 +361,14 @@ class _Delivery:
 
 
 @dataclass
-class NodesOfProgram:
-    """The ids of one program's nodes in the graph, which are removed when the program ends."""
+class ProgramNodes:
+    """The nodes of one program."""
 
+    # Their ids in the graph, from which they are removed when the program ends.
     ids: set[int] = field(default_factory=set)
-
-
-@dataclass
-class UnspunNodes:
-    """The full names, by id, of nodes with ready entities that were never added to an executor."""
-
-    names: dict[int, str] = field(default_factory=dict)
-
-
-@dataclass
-class FailedNodes:
-    """The errors that stopped live nodes, by full name, until a node of the same name is spun."""
-
+    # The full names, by id, of nodes with ready entities that were never added to an executor.
+    unspun: dict[int, str] = field(default_factory=dict)
+    # The errors that stopped live nodes, by full name, until a node of the same name is spun.
     errors: dict[str, str] = field(default_factory=dict)
 
 

@@ -12,7 +12,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
-from course_lib.ros.graph.graph import NodesOfProgram, current_graph, program
+from course_lib.ros.graph.graph import ProgramNodes, current_graph, program
 from course_lib.ros.hints import syntax_hint
 from course_lib.ros.programs.packages import python_package, python_path, source
 from course_lib.ros.time.time_lock import (
@@ -247,7 +247,7 @@ class Processes:
             finally:
                 # Nodes that the program has not destroyed are gone, as they are with a real
                 # process.
-                for node in current_graph().state(NodesOfProgram).ids:
+                for node in current_graph().state(ProgramNodes).ids:
                     current_graph().remove_node(node)
                 self.ended.append(number)
 

@@ -15,7 +15,7 @@ from traceback import walk_tb
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
-from course_lib.ros.graph.graph import FailedNodes, Graph, current_graph
+from course_lib.ros.graph.graph import Graph, ProgramNodes, current_graph
 from course_lib.ros.notices import say
 from course_lib.ros.time import pace, wall
 from course_lib.ros.time.interrupts import Callback, live_interrupts, until_interrupted, watch
@@ -224,9 +224,9 @@ class LiveRun:
         error_with_line = f"{summary}{line and f' in {line}'}"
         self.error = f"{error_with_line}. Read on below the view."
         self.stop()
+        errors = self._graph.state(ProgramNodes).errors
         for node in self.nodes:
-            failed = self._graph.state(FailedNodes)
-            failed.errors[node.handle.full_name] = f"{self.name}: stopped by an error, {error_with_line}"
+            errors[node.handle.full_name] = f"{self.name}: stopped by an error, {error_with_line}"
 
     def _on_stop_click(self) -> None:
         """Stop the run.

@@ -26,7 +26,7 @@ from launch.entities import SomeSubstitutionsType as Some
 from launch.events import ProcessExited
 from lifecycle_msgs.msg import Transition, TransitionEvent
 
-from course_lib.ros.graph.graph import NodesOfProgram, current_graph
+from course_lib.ros.graph.graph import ProgramNodes, current_graph
 from course_lib.ros.graph.topics import SERVICE_HEADER, SERVICE_TOPICS, Qos
 from course_lib.ros.messages import deserialize, serialize
 from course_lib.ros.programs.packages import NotHereError
@@ -123,7 +123,7 @@ class _LaunchNode:
 
     def __init__(self) -> None:
         self.id = current_graph().add_node("launch_ros", "/")
-        current_graph().state(NodesOfProgram).ids.add(self.id)
+        current_graph().state(ProgramNodes).ids.add(self.id)
 
 
 class _LifecycleLink:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Protocol
 
 from rcl_interfaces.msg import SetParametersResult
 
-from course_lib.ros.graph.graph import FailedNodes, NodesOfProgram, UnspunNodes
+from course_lib.ros.graph.graph import ProgramNodes
 from course_lib.ros.mistakes import Mistake
 from rclpy.callback_groups import CallbackGroup
 from rclpy.context import Context
@@ -119,7 +119,7 @@ class NodeHandle:
         self.namespace = namespace
         self.arguments = arguments
         self.id = self.graph.add_node(name, namespace)
-        self.graph.state(NodesOfProgram).ids.add(self.id)
+        self.graph.state(ProgramNodes).ids.add(self.id)
         self._executor: weakref.ref[NodeExecutor] | None = None
         self.is_destroyed = False
         # Whether the node has left the graph: it was destroyed or replaced, or its context was shut
@@ -136,9 +136,9 @@ class NodeHandle:
     @executor.setter
     def executor(self, executor: NodeExecutor | None) -> None:
         self._executor = None if executor is None else weakref.ref(executor)
-        self.graph.state(UnspunNodes).names.pop(self.id, None)
+        self.graph.state(ProgramNodes).unspun.pop(self.id, None)
         if executor is not None:
-            self.graph.state(FailedNodes).errors.pop(self.full_name, None)
+            self.graph.state(ProgramNodes).errors.pop(self.full_name, None)
 
     @property
     def full_name(self) -> str:
@@ -167,14 +167,14 @@ class NodeHandle:
         """Remove the node from the graph and discard its ready entities."""
         self.has_left = True
         self.graph.remove_node(self.id)
-        self.graph.state(NodesOfProgram).ids.discard(self.id)
-        self.graph.state(UnspunNodes).names.pop(self.id, None)
+        self.graph.state(ProgramNodes).ids.discard(self.id)
+        self.graph.state(ProgramNodes).unspun.pop(self.id, None)
         self._ready.clear()
 
     def note_work(self) -> None:
         """Record that a timer or message is ready although no executor spins the node, for a warning."""
         if self._executor is None and not self.has_left:
-            self.graph.state(UnspunNodes).names[self.id] = self.full_name
+            self.graph.state(ProgramNodes).unspun[self.id] = self.full_name
 
     def next_entity(self) -> int:
         """Return the number of the next entity of the node, which orders simultaneous events."""
