@@ -20,6 +20,12 @@ MAX_NESTING = 200
 NULL_BYTES = "it contains null bytes: save it as text in UTF-8"
 # Maximum size [B] of the input of an XML or YAML parser, which uses a multiple of this memory.
 MOST_TEXT = 32_000_000
+# The beginning of a pointer of Git LFS, which a clone without Git LFS has in place of a file.
+LFS_POINTER = b"version https://git-lfs"
+NOT_FETCHED = (
+    "the file holds a pointer of Git LFS instead of its data. Fetch the data in the clone: "
+    "git lfs install, then git lfs pull"
+)
 _SPECIAL_FILES = {
     stat.S_ISFIFO: "a named pipe",
     stat.S_ISSOCK: "a socket",

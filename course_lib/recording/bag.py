@@ -24,7 +24,14 @@ from course_lib.ros.graph.graph import Graph, Sample, TopicSelector
 from course_lib.ros.graph.topics import Qos, read_tick
 from course_lib.ros.messages import RosMessage
 from course_lib.ros.messages.definitions import definition, type_hash, typestore
-from course_lib.third_party import MOST_TEXT, check_regular, check_size, read_text
+from course_lib.third_party import (
+    LFS_POINTER,
+    MOST_TEXT,
+    NOT_FETCHED,
+    check_regular,
+    check_size,
+    read_text,
+)
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection, QosTime
@@ -290,6 +297,9 @@ def salvage(files: Sequence[Path]) -> tuple[list[Sample], str]:
 
     Returns:
         The samples sorted by stamp, and the first damage or "".
+
+    Raises:
+        CourseError: A file is a pointer of Git LFS, or is not serialized as CDR.
     """
     samples: list[Sample] = []
     damages: list[str] = []
@@ -297,6 +307,8 @@ def salvage(files: Sequence[Path]) -> tuple[list[Sample], str]:
         check_regular(path)
         # The file may be larger than the memory.
         with path.open("rb") as file:
+            if file.read(len(LFS_POINTER)) == LFS_POINTER:
+                raise CourseError(f"{path} is not a file of a bag: {NOT_FETCHED}.")
             try:
                 if path.suffix == ".mcap" and not _has_magic(file):
                     damages.append(f"{path.name} does not begin and end as a MCAP file does")
@@ -505,6 +517,16 @@ def _check_bag(path: Path) -> None:
         raise CourseError(f"There is no bag {path}. `course run FILE.py --bag {path}` records one.")
     if is_data_file(path) or (path.is_dir() and ((path / METADATA).is_file() or data_files(path))):
         return
+    if path.suffix == ".bag" and path.is_file():
+        raise CourseError(
+            f"{path} is a bag of ROS 1. Convert it into a bag of ROS 2 first: "
+            f"rosbags-convert --src {path} --dst {path.stem}"
+        )
+    if path.suffix == ".zstd" and path.is_file():
+        raise CourseError(
+            f"{path} is a compressed file of a bag. Give the folder with its {METADATA}, or unpack "
+            f"the file first: zstd -d {path}"
+        )
     kind = "a folder" if path.is_dir() else "a file"
     raise CourseError(
         f"{path} is {kind} but not a bag. Pass the folder of a bag, which contains {METADATA}, or "
@@ -525,6 +547,9 @@ def _samples(reader: "Reader") -> list[Sample]:
 
 # Width of the labels, as in rosbag2's formatter.
 _LABEL = 19
+_SERVICES = "Service information: "
+# A service introspected by ROS 2 publishes messages of type PACKAGE/srv/NAME_Event on this topic.
+_EVENT_TOPIC, _EVENT = "/_service_event", "_Event"
 _UNITS = ("B", "KiB", "MiB", "GiB", "TiB")
 
 
@@ -544,6 +569,9 @@ def bag_info(folder: str | Path, *, digest: bool = True) -> str:
         else data_files(Path(folder))
     )
     kind = about.get("storage_identifier", "mcap" if files[0].suffix == ".mcap" else "sqlite3")
+    counts = topic_counts(about, recording)
+    # As in rosbag2, the events of services are not counted as messages, nor listed as topics.
+    services = {topic: count for topic, count in counts.items() if _is_service_event(*topic)}
     rows = [
         ("Files:", f"\n{' ' * _LABEL}".join(path.name for path in files)),
         ("Bag size:", _size(sum(path.stat().st_size for path in files))),
@@ -552,18 +580,24 @@ def bag_info(folder: str | Path, *, digest: bool = True) -> str:
         ("Duration:", f"{_seconds(recording.end_ns - recording.start_ns)}s"),
         ("Start:", _date(recording.start_ns)),
         ("End:", _date(recording.end_ns)),
-        ("Messages:", str(len(recording.samples))),
+        ("Messages:", str(len(recording.samples) - sum(services.values()))),
         (
             "Topic information:",
             f"\n{' ' * _LABEL}".join(
-                [
-                    f"Topic: {name} | Type: {kind} | Count: {count} | Serialization Format: cdr"
-                    for (name, kind), count in topic_counts(about, recording).items()
-                ]
+                f"Topic: {name} | Type: {kind} | Count: {count} | Serialization Format: cdr"
+                for (name, kind), count in counts.items()
+                if (name, kind) not in services
             ),
         ),
-        ("Service:", "0"),
-        ("Service information: ", ""),
+        ("Service:", str(len(services))),
+        (
+            _SERVICES,
+            f"\n{' ' * len(_SERVICES)}".join(
+                f"Service: {name.removesuffix(_EVENT_TOPIC)} | Type: {kind.removesuffix(_EVENT)} | "
+                f"Event Count: {count} | Serialization Format: cdr"
+                for (name, kind), count in services.items()
+            ),
+        ),
         *([("Digest:", recording.digest())] if digest else []),
     ]
     return "\n" + "\n".join(f"{label:<{_LABEL}}{value}" for label, value in rows) + "\n"
@@ -595,6 +629,10 @@ def topic_counts(about: dict[str, Any], recording: Recording) -> dict[tuple[str,
     listed = [(topic.get("name"), topic.get("type")) for topic in _topics_in_metadata(about)]
     topics = dict.fromkeys([*((str(name), str(kind)) for name, kind in listed if name and kind), *counts])
     return {key: counts.get(key, 0) for key in topics}
+
+
+def _is_service_event(topic: str, type_name: str) -> bool:
+    return topic.endswith(_EVENT_TOPIC) and "/srv/" in type_name and type_name.endswith(_EVENT)
 
 
 def _size(size: float) -> str:

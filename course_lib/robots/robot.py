@@ -480,17 +480,17 @@ def load_robot(name: str | Path, **arguments: object) -> Robot:
         try:
             return _check_meshes(from_text(description, path))
         except CourseError as error:
-            advice = "" if "<link" in description else _advice_for_macros(text)
+            advice = "" if "<link" in description else _advice_without_links(text)
             raise CourseError(f"{path}{_line_of_error(text, str(error))}: {error}{advice}") from error
     _reject_arguments(f"the model {name!r}", arguments)
     return _from_example_robot_data(name)
 
 
-def _advice_for_macros(text: str) -> str:
-    """Return advice for a xacro file that only defines macros, or "" for any other file."""
+def _advice_without_links(text: str) -> str:
+    """Return advice for a description without links, such as a file of macros or materials."""
     macros = re.findall(r"<xacro:macro\s[^>]*?name\s*=\s*[\"']([\w.:-]+)", text)
     if not macros:
-        return ""
+        return " The file defines no links: load the file that includes it." if "<robot" in text else ""
     return (
         f" The file only defines {'the macro' if len(macros) == 1 else 'macros'}, "
         f"{', '.join(macros[:_MOST_MACROS])}{', …' if len(macros) > _MOST_MACROS else ''}: load a "

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from course_lib.arrays import Bytes, Float32s, Floats, Matrix, Reals, UInt32s, Vector
 from course_lib.errors import CourseError
-from course_lib.third_party import check_size, read_bytes
+from course_lib.third_party import LFS_POINTER, NOT_FETCHED, check_size, read_bytes
 
 FAR = 1000.0  # [m]
 
@@ -422,6 +422,8 @@ def parse_mesh(
         raise MeshFileError(
             f"{file_format!r} is not a supported mesh format; use one of {', '.join(FORMATS)}."
         )
+    if data.startswith(LFS_POINTER):
+        raise MeshFileError(f"This is not a {file_format.upper()} file: {NOT_FETCHED}.")
     try:
         scene, parts = _read(data, file_format, folder)
         if not parts and _PAINT.search(data):

@@ -109,6 +109,32 @@ def test_path_that_is_not_a_bag_is_rejected(tmp_path: Path) -> None:
         read_bag(tmp_path / "file.txt")
 
 
+@pytest.mark.parametrize(
+    ("name", "advice"),
+    [
+        ("drive.bag", r"a bag of ROS 1\. .*: rosbags-convert --src .*drive\.bag --dst drive$"),
+        ("drive_0.mcap.zstd", r"a compressed file of a bag\. .*: zstd -d .*drive_0\.mcap\.zstd$"),
+    ],
+)
+def test_bag_in_another_container_is_rejected_with_the_command_to_convert_it(
+    name: str, advice: str, tmp_path: Path
+) -> None:
+    (tmp_path / name).write_bytes(b"x")
+    with pytest.raises(CourseError, match=advice):
+        read_bag(tmp_path / name)
+
+
+@pytest.mark.parametrize("in_folder", [False, True])
+@pytest.mark.parametrize("storage", ["recording.mcap", "recording.db3"])
+def test_bag_that_git_lfs_has_not_fetched_is_reported(tmp_path: Path, storage: str, in_folder: bool) -> None:
+    write_bag(make_recording(), tmp_path / "bag")
+    (tmp_path / "bag" / "recording.mcap").unlink()
+    file = tmp_path / "bag" / storage
+    file.write_bytes(b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 990\n")
+    with pytest.raises(CourseError, match=rf"{storage} is not a file of a bag: .*, then git lfs pull\.$"):
+        read_bag(tmp_path / "bag" if in_folder else file)
+
+
 @pytest.mark.parametrize("kept", [0, 5, 100, 400])
 def test_bag_without_intact_messages_is_an_error(tmp_path: Path, kept: int) -> None:
     write_bag(make_recording(), tmp_path / "bag")

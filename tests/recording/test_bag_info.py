@@ -65,6 +65,24 @@ def test_topic_without_messages_is_listed(tmp_path: Path) -> None:
     assert text in bag_info(tmp_path / "bag").splitlines()
 
 
+def test_events_of_services_are_listed_as_services(tmp_path: Path) -> None:
+    cdr = serialize(message_class("std_msgs/msg/String")())
+    event = "example_interfaces/srv/AddTwoInts_Event"
+    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        for topic, kind, count in (("/a/_service_event", event, 2), ("/b", "std_msgs/msg/String", 1)):
+            one = writer.add_connection(topic, kind, msgdef="", rihs01="RIHS01_" + "0" * 64)
+            for stamp_ns in range(count):
+                writer.write(one, stamp_ns, cdr)
+    lines = bag_info(tmp_path / "bag", digest=False).splitlines()
+    assert lines[-4:] == [
+        "Messages:          1",
+        "Topic information: Topic: /b | Type: std_msgs/msg/String | Count: 1 | Serialization Format: cdr",
+        "Service:           1",
+        "Service information: Service: /a | Type: example_interfaces/srv/AddTwoInts | Event Count: 2 | "
+        "Serialization Format: cdr",
+    ]
+
+
 def test_path_that_is_not_a_bag_is_rejected(tmp_path: Path) -> None:
     with pytest.raises(CourseError, match="not a bag"):
         bag_info(tmp_path)

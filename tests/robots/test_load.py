@@ -145,6 +145,13 @@ def test_error_about_a_macro_only_xacro_file_suggests_a_file_to_load(
         load_robot(path)
 
 
+def test_error_about_a_description_without_links_suggests_the_including_file(tmp_path: Path) -> None:
+    path = tmp_path / "materials.xacro"
+    path.write_text('<robot><material name="red"><color rgba="1 0 0 1"/></material></robot>')
+    with pytest.raises(CourseError, match=r"The file defines no links: load the file that includes it\."):
+        load_robot(path)
+
+
 @pytest.mark.parametrize("name", ["ur10", '<robot name="r"><link name="a"/></robot>'])
 def test_arguments_for_a_robot_without_xacro_are_rejected(name: str) -> None:
     with pytest.raises(CourseError, match=r"but prefix was given\. Only xacro files take arguments\."):

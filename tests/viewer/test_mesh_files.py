@@ -130,6 +130,13 @@ def test_broken_file_is_rejected_with_an_error_message(file_format: str) -> None
         parse_mesh(b"v 1 2\n<not any of these", file_format)
 
 
+@pytest.mark.parametrize("file_format", ["dae", "stl", "obj"])
+def test_mesh_that_git_lfs_has_not_fetched_is_reported(file_format: str) -> None:
+    pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9990\n"
+    with pytest.raises(MeshFileError, match=r"pointer of Git LFS .*: git lfs install, then git lfs pull\."):
+        parse_mesh(pointer, file_format)
+
+
 def test_missing_files_and_unknown_formats_are_rejected_with_their_name(tmp_path: Path) -> None:
     with pytest.raises(MeshFileError, match=r"gone\.stl"):
         load_mesh(tmp_path / "gone.stl")
