@@ -93,6 +93,8 @@ def expand_xacro(path: Path, arguments: Mapping[str, object] | None = None) -> s
     if result.code:
         # A macro that calls itself has the same line hundreds of times.
         errors = re.sub(r"(?m)^(.*\n)\1+", r"\1", f"{result.errors.strip()}\n").strip()
+        # xacro writes the text of another program's exception twice, after its class.
+        errors = re.sub(r"(?m)<class '[\w.]+'>: (.+) \1$", r"\1", errors)
         text = f"xacro cannot expand {path}{_place_of_error(path, errors)}: {errors}"
         if undefined := _UNDEFINED.search(result.errors):
             text += (

@@ -137,6 +137,14 @@ def test_robots_are_loaded_from_xacro_files(arm: Path) -> None:
     assert [shape.geometry.halfSide[0] for shape in robot.visual_model.geometryObjects] == [0.25, 0.125]
 
 
+def test_missing_package_is_reported_once(arm: Path) -> None:
+    arm.write_text(ARM.replace("<xacro:", '<xacro:include filename="$(find gone)/a.xacro"/><xacro:', 1))
+    with pytest.raises(CourseError) as raised:
+        load_robot(arm)
+    assert str(raised.value).count("package 'gone' not found") == 1
+    assert "<class" not in str(raised.value)
+
+
 @pytest.mark.parametrize("file", ["missing.xacro", "empty.xacro"])
 def test_unreadable_xacro_file_is_an_error_without_a_traceback(file: str, tmp_path: Path) -> None:
     (tmp_path / "empty.xacro").touch()
