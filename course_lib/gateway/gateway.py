@@ -194,15 +194,7 @@ def load_users(
     Raises:
         CourseError: The driver is not in the class. No file is written then.
     """
-    tokens: dict[str, str] = {}
-    if (folder / TOKENS).exists():
-        with (folder / TOKENS).open(encoding="utf-8", newline="") as file:
-            stored_tokens = {row.get("student", ""): row.get("token", "") for row in csv.DictReader(file)}
-        tokens = {
-            student: token
-            for student, token in stored_tokens.items()
-            if re.fullmatch(r"[\w-]{16,}", token or "")
-        }
+    tokens = _stored_tokens(folder)
     before = [student for student in tokens if student != THE_ROBOT]
     ids = [THE_ROBOT, *(read_class(roster, id_column) if roster else before or [GUEST])]
     names = _ros_names(ids)
@@ -219,6 +211,15 @@ def load_users(
     return users
 
 
+def _stored_tokens(folder: Path) -> dict[str, str]:
+    """Return the tokens in the gateway's folder by student, the robot included."""
+    if not (folder / TOKENS).exists():
+        return {}
+    with (folder / TOKENS).open(encoding="utf-8", newline="") as file:
+        tokens = {row.get("student", ""): row.get("token", "") for row in csv.DictReader(file)}
+    return {student: token for student, token in tokens.items() if re.fullmatch(r"[\w-]{16,}", token or "")}
+
+
 def find_student(users: Sequence[GatewayUser], query: str) -> GatewayUser:
     """Return the student with an ID or a name.
 
@@ -231,8 +232,8 @@ def find_student(users: Sequence[GatewayUser], query: str) -> GatewayUser:
             return user
     if [user.student for user in users if user.name != ROBOT] == [GUEST]:
         raise CourseError(
-            f"--driver {query}: this folder has no class, and no gateway runs in it. Start the "
-            "gateway with --students CSV, or pass the --folder of the one that runs"
+            f"--driver {query}: this folder has no class. Start the gateway with --students CSV, or "
+            "pass the --folder of the one that has a class"
         )
     raise CourseError(
         f"--driver {query}: no such student. The file {TOKENS} in the gateway's folder lists all "
@@ -675,6 +676,10 @@ def router(
         CourseError: A name, file, address or option cannot be used.
     """
     if driver and _is_running(folder):
+        if driver != NOBODY:
+            tokens = _stored_tokens(folder)
+            names = _ros_names(tokens)
+            find_student([GatewayUser(one, names[one], token) for one, token in tokens.items()], driver)
         write_atomically(folder / DRIVER, driver.encode(), PRIVATE)
         write(f"The gateway in {folder} now has the driver {driver}.")
         return

@@ -118,9 +118,14 @@ def test_driver_command_changes_the_driver_and_the_page(
     assert "nobody drives" in log.read_text()
     assert "now has the driver 1234" in course(tmp_path, "router", "--driver", "1234")
     says(log, "1234 drives")
-    course(tmp_path, "router", "--driver", "zed")
+    reply = course(tmp_path, "router", "--driver", "zed")
+    assert "zed: no such student" in reply
+    assert "now has the driver" not in reply
+    driver = tmp_path / "course_router" / "driver.txt"
+    assert driver.read_text() == "1234"
+    driver.write_text("zed")
     says(log, "zed: no such student")
-    (tmp_path / "course_router" / "driver.txt").unlink()
+    driver.unlink()
     course(tmp_path, "router", "--driver", "b.1")
     says(log, "b.1 drives")
     course(tmp_path, "router", "--driver", "1234")
