@@ -11,9 +11,9 @@ def main() -> None:
         fix_hash_seed(sys.argv[1:])
         # Imported here because these modules take longer to import than the restart above; typer
         # takes longest.
-        from course_lib.usual_commands import call, find_usual
+        from course_lib.usual_commands import call, find_usual_command
 
-        command = find_usual(sys.argv[1:])
+        command = find_usual_command(sys.argv[1:])
         if command is not None:
             call(command)
         from course_lib.cli import main as run_command

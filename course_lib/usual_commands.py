@@ -70,7 +70,7 @@ def ros2(
     return ros2_over(words, files=files, bag=bag, seconds=seconds, robot=robot)
 
 
-def find_usual(arguments: Sequence[str]) -> Callable[[], int] | None:
+def find_usual_command(arguments: Sequence[str]) -> Callable[[], int] | None:
     """Return the call of a command line with usual options only; None for all others."""
     command, *remaining = arguments or [""]
     if command == "ros2" and "--" not in remaining:

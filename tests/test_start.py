@@ -56,7 +56,7 @@ def test_interrupt_during_the_imports_exits_without_a_traceback(monkeypatch: pyt
     def interrupt(words: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(usual_commands, "find_usual", interrupt)
+    monkeypatch.setattr(usual_commands, "find_usual_command", interrupt)
     monkeypatch.setattr(sys, "argv", ["course", "--version"])
     with pytest.raises(SystemExit) as end:
         main()
@@ -137,7 +137,7 @@ def test_common_command_lines_make_the_same_calls_as_typer(
     ]
     for line in lines:
         words = line.split()
-        command = usual_commands.find_usual(words)
+        command = usual_commands.find_usual_command(words)
         assert command is not None, line
         assert command() == 7
         monkeypatch.setattr(sys, "argv", ["course", *words])
@@ -179,7 +179,7 @@ def _plain(call: Any) -> Any:
     ],
 )
 def test_other_command_lines_are_parsed_by_typer(line: str) -> None:
-    assert usual_commands.find_usual(line.split()) is None
+    assert usual_commands.find_usual_command(line.split()) is None
 
 
 @pytest.mark.slow

@@ -158,7 +158,7 @@ class Answers:
         """Return the path of a Python file of answers."""
         return self.path.with_name(f"{self.path.stem}_{name}.py")
 
-    def wrong_answers_to(self, task: str) -> int:
+    def count_wrong_answers(self, task: str) -> int:
         """Return the number of wrong answers to a task."""
         return sum(v.task == task and bool(v.miss) for v in self.variants) + sum(
             task in says for says in self.files.values()

@@ -281,7 +281,7 @@ class WeekRehearsals:
         ways = {variant.task for variant in self._answers.variants if variant.way}
         hints = {(variant.task, variant.hint) for variant in self._answers.variants}
         for task in self._tasks:
-            count, path = self._answers.wrong_answers_to(task.id), str(self._answers.path)
+            count, path = self._answers.count_wrong_answers(task.id), str(self._answers.path)
             if count < MIN_WRONG_ANSWERS:
                 text = f"{task.id}: {count} wrong answers, expected at least {MIN_WRONG_ANSWERS}"
                 yield Flaw("wrong", text, path)

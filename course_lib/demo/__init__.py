@@ -25,7 +25,7 @@ def demo(out: Path) -> None:
         raise CourseError(f"{out} already exists. Remove it or choose a new folder: course demo --out NAME")
     import_path.install()
     from course_lib.demo.red_cube import RedCubeNode
-    from course_lib.demo.task import look
+    from course_lib.demo.task import check_answer
     from course_lib.displays.render import render_bag
     from course_lib.tools.run import run
 
@@ -48,5 +48,5 @@ def demo(out: Path) -> None:
 
     console.print("\n[bold]3. Check[/bold] it as an exercise does: first right, then with the cube too low:")
     for answer in (RedCubeNode, TooLow):
-        console.print(look(answer), markup=False)
+        console.print(check_answer(answer), markup=False)
     console.print("\nNext: [bold]course lab[/bold] opens the lessons in JupyterLab.")

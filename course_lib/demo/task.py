@@ -37,7 +37,7 @@ TASK = Task(
 )
 
 
-def look(answer: Any) -> str:
+def check_answer(answer: Any) -> str:
     """Check an answer and return the table of results that a student sees."""
     runs = [Run(scenario, run_in_this_process(TASK, scenario, answer, {})) for scenario in TASK.scenarios]
     result = judge_task(TASK, 100.0, False, runs)

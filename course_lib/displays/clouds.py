@@ -195,7 +195,7 @@ def _axis(cloud: Cloud, holder: PropertyHolder) -> tuple[Float32s, Bounds]:
     return rainbow(1 - (values - low) / ((high - low) or 0.001)), bounds
 
 
-def _flat(cloud: Cloud, holder: PropertyHolder) -> tuple[Float32s, Bounds]:
+def _flat_color(cloud: Cloud, holder: PropertyHolder) -> tuple[Float32s, Bounds]:
     rgb = np.array(holder["Color"], np.float32) / 255
     return np.broadcast_to(rgb, (len(cloud.positions), 3)), {}
 
@@ -217,7 +217,7 @@ def _bounds(values: Float32s, limit: float) -> tuple[float, float]:
 
 TRANSFORMERS: Mapping[str, Transformer] = {
     "AxisColor": Transformer(lambda cloud: True, 255, _axis),
-    "FlatColor": Transformer(lambda cloud: True, 0, _flat),
+    "FlatColor": Transformer(lambda cloud: True, 0, _flat_color),
     "Intensity": Transformer(lambda cloud: True, 255, _intensity),
     "RGB8": Transformer(
         lambda cloud: any(cloud.is_single(name, or_whole=True) for name in ("rgb", "rgba")), 0, _rgb8

@@ -250,9 +250,9 @@ class _LayoutReader:
             return Layout(document=document, problems=tuple(self._problems))
         above = "Visualization Manager"
         return Layout(
-            options=self._part(above, "Global Options", kind=dict),
+            options=self._entry(above, "Global Options", kind=dict),
             displays=self._displays(above),
-            view=self._part(above, "Views", "Current", kind=dict),
+            view=self._entry(above, "Views", "Current", kind=dict),
             saved_views=self._maps(above, "Views", "Saved"),
             tools=self._maps(above, "Tools"),
             document=document,
@@ -269,10 +269,10 @@ class _LayoutReader:
 
     def _maps(self, *path: str | int) -> tuple[dict[str, Any], ...]:
         """Return the maps of a list. Entries of another type become empty maps."""
-        entries = self._part(*path, kind=list)
-        return tuple(self._part(*path, index, kind=dict) for index in range(len(entries)))
+        entries = self._entry(*path, kind=list)
+        return tuple(self._entry(*path, index, kind=dict) for index in range(len(entries)))
 
-    def _part(self, *path: str | int, kind: type) -> Any:
+    def _entry(self, *path: str | int, kind: type) -> Any:
         """Return the map or list at a path; empty if it is missing or has another type."""
         value = self._parsed.value
         for index, key in enumerate(path):

@@ -287,9 +287,9 @@ class PropertyHolder(KnownAttributes):
         return wrong
 
     def _property(self, label: str) -> Property:
-        plain_label = _plain(label)
-        exact = [prop for prop in self.properties if _plain(prop.label) == plain_label]
-        by_end = [prop for prop in self.properties if _plain(prop.path[-1]) == plain_label]
+        plain_label = _argument_name(label)
+        exact = [prop for prop in self.properties if _argument_name(prop.label) == plain_label]
+        by_end = [prop for prop in self.properties if _argument_name(prop.path[-1]) == plain_label]
         matches = exact or by_end
         if len(matches) == 1:
             return matches[0]
@@ -318,5 +318,5 @@ def _finite(value: Any) -> float:
     return number
 
 
-def _plain(label: str) -> str:
+def _argument_name(label: str) -> str:
     return label.lower().replace(" ", "_")

@@ -17,7 +17,7 @@ from course_lib.displays.properties import Property, flag, number, text, words
 from course_lib.displays.shapes import axes
 from course_lib.errors import CourseError
 from course_lib.robots.kinematics import link_poses
-from course_lib.robots.robot import Robot, import_pinocchio, is_installed, resolve, search_once
+from course_lib.robots.robot import Robot, cache_package_searches, import_pinocchio, is_installed, resolve
 from course_lib.robots.urdf import Geometry, Inertial, Link, links_of, parse_urdf
 from course_lib.ros.graph.topics import Qos
 from course_lib.third_party import read_text
@@ -357,7 +357,7 @@ class RobotModelDisplay(TopicDisplay):
         # has changed, because frames are many.
         state = self.context.is_seen, dict(self._values)
         is_changed, self._shown_state = state != self._shown_state, state
-        with search_once():
+        with cache_package_searches():
             self._update_links(is_changed)
         if self._problems() != before:
             self._report_problems()
@@ -405,7 +405,7 @@ class RobotModelDisplay(TopicDisplay):
         self.statuses.set("ok", "URDF", "URDF parsed OK")
         scene, path = self.context.scene, f"{self.path}/links"
         links = links_of(self._urdf)
-        with search_once():
+        with cache_package_searches():
             self._links = [
                 DrawnLink(scene, f"{path}/{node_name(link.name)}", link, self._file)
                 for link in sorted(links, key=lambda link: link.name)

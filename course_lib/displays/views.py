@@ -482,7 +482,7 @@ class Framing:
             self._known_paths.difference_update(new)
             return False
         corners = _corners(_with_origin(bounds))
-        return (is_first or not _shows(camera, corners)) and _move(view, corners)
+        return (is_first or not _are_in_view(camera, corners)) and _move(view, corners)
 
     def include(self, view: Orbit, camera: Camera, scenes: Iterable[Scene]) -> bool:
         """Move a view so that it shows all objects in scenes, for example those of a recording.
@@ -500,7 +500,7 @@ class Framing:
             return False
         lows, highs = zip(*found, strict=True)
         corners = _corners(_with_origin(np.stack([np.min(lows, axis=0), np.max(highs, axis=0)])))
-        return not _shows(camera, corners) and _move(view, corners)
+        return not _are_in_view(camera, corners) and _move(view, corners)
 
     def _bounds_in(self, scene: Scene) -> Floats | None:
         """Return the bounds of the visible objects of the known paths in a scene, or None."""
@@ -515,7 +515,7 @@ def _corners(bounds: Floats) -> Floats:
     return np.stack(np.meshgrid(*bounds.T, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
-def _shows(camera: Camera, corners: Floats) -> bool:
+def _are_in_view(camera: Camera, corners: Floats) -> bool:
     """Return whether all corners are in the picture of a camera."""
     focal_distance = np.linalg.norm(np.subtract(camera.eye, camera.target))
     needed = _distance_to_fit(corners, camera, np.array(camera.target), filled_share=1.0)

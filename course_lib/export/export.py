@@ -17,7 +17,7 @@ from course_lib.export.module import (
     Statement,
     collect_needed_statements,
     dependencies,
-    displays,
+    display_classes,
     frames,
     imported_modules,
     node_classes,
@@ -201,7 +201,7 @@ def _launch_files(
         files[f"config/{config}"] = parameters_text(values)
     if "rviz" not in given:
         displays_by_topic = {
-            topic: kind for module in modules for topic, kind in displays(module.node).items()
+            topic: kind for module in modules for topic, kind in display_classes(module.node).items()
         }
         frame_counts = Counter(frame for module in modules for frame in frames(module.node))
         fixed_frame = frame_counts.most_common(1)[0][0] if frame_counts else "map"

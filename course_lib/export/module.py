@@ -450,7 +450,7 @@ def parameters(node: ast.ClassDef) -> dict[str, Any]:
     return values
 
 
-def displays(node: ast.ClassDef) -> dict[str, str]:
+def display_classes(node: ast.ClassDef) -> dict[str, str]:
     """Return RViz's display class for each topic that a class publishes, if RViz has one."""
     class_names = {}
     for call in _calls(node, "create_publisher"):

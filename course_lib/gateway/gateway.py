@@ -318,13 +318,13 @@ class Settings:
     Args:
         listen: The address for students, like `tcp/0.0.0.0:7448`, or `tls/…` with a certificate.
         robot: The robot's router, or the robot itself over DDS, `dds/192.168.1.5`; "" to listen on
-            `robot_listen` instead.
+            `robot_listen_address` instead.
         sends: Topics that the driver may publish, without their first slash.
         calls: Services and actions that students may call, without their first slash.
         domain: The robot's ROS_DOMAIN_ID.
         certificate: PEM file for TLS.
         key: PEM file with the certificate's private key.
-        robot_listen: The address for a robot on this machine.
+        robot_listen_address: The address for a robot on this machine.
     """
 
     listen: str
@@ -334,7 +334,7 @@ class Settings:
     domain: int = 0
     certificate: Path | None = None
     key: Path | None = None
-    robot_listen: str = "tcp/127.0.0.1:7447"
+    robot_listen_address: str = "tcp/127.0.0.1:7447"
 
     @property
     def services(self) -> list[str]:
@@ -394,7 +394,7 @@ class Gateway:
             robot_config["connect/endpoints"] = [settings.robot]
         elif not settings.robot:
             robot_config = {
-                "listen/endpoints": [inner, settings.robot_listen],
+                "listen/endpoints": [inner, settings.robot_listen_address],
                 "scouting/gossip/enabled": True,
             }
         self.robot_side = open_router(robot_config, "--robot-port")
@@ -729,10 +729,10 @@ def _robot_settings(settings: Settings, folder: Path, place: str) -> list[str]:
     login = f'transport/auth/usrpwd/user="{ROBOT}";transport/auth/usrpwd/password="TOKEN"'
     return [
         "Robot: --robot names no address, so the robot connects to this gateway. Set one of these for it:",
-        f"  on this computer, for its nodes:  {_override(settings.robot_listen)}",
+        f"  on this computer, for its nodes:  {_override(settings.robot_listen_address)}",
         f"  on another one, for rmw_zenohd:   {_override(place, login)}",
         f"  (TOKEN is in the row {THE_ROBOT} of {folder / TOKENS}; programs of the course: --robot "
-        f"{settings.robot_listen})",
+        f"{settings.robot_listen_address})",
     ]
 
 

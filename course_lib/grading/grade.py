@@ -56,7 +56,7 @@ from course_lib.grading.submissions.submission import (
     missing_file_lines,
     plan_attempts,
     skipped_files,
-    store_places,
+    store_submission_folders,
     unfinished_lines,
 )
 
@@ -279,7 +279,7 @@ def grade(
     line = plan_attempts(found_submissions, course, only)
     with store.lock_folder(out):
         with store.writing(out):
-            store_places(out, submissions, found_submissions)
+            store_submission_folders(out, submissions, found_submissions)
         work = _find_pending(line, course, out, resume=resume, rejudge=rejudge)
         rows = _grade_with_progress(work, jobs or os.cpu_count() or 1, dask)
         _finish(rows, work, found_submissions)

@@ -259,7 +259,7 @@ class Wall:
         """
         y, z = (np.arange(low + CELL / 2, high, CELL) for low, high in (self.y, self.z))
         painted = np.zeros((len(y), len(z)), bool)
-        for start, end in filter(len, (self._near(piece, reach) for piece in _segments(stripes))):
+        for start, end in filter(len, (self._clip_to_reach(piece, reach) for piece in _segments(stripes))):
             low, high = np.minimum(start, end) - width / 2, np.maximum(start, end) + width / 2
             rows, columns = (slice(*np.searchsorted(c, (low[i], high[i]))) for i, c in enumerate((y, z)))
             cells = np.stack(np.meshgrid(y[rows], z[columns], indexing="ij"), axis=-1)
@@ -269,7 +269,7 @@ class Wall:
             painted[rows, columns] |= np.linalg.norm(gap, axis=-1) <= width / 2
         return float(painted.mean())
 
-    def _near(self, piece: Floats, reach: float) -> Floats:
+    def _clip_to_reach(self, piece: Floats, reach: float) -> Floats:
         """Return the end points (y, z) of the part of a segment that is within reach.
 
         Returns:

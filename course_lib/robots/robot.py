@@ -72,28 +72,28 @@ def resolve(uri: str, near: Path | None = None) -> Path:
     return existing
 
 
-# The folders of packages within `search_once`: package, file near it, whether `file` is allowed.
-_known: ContextVar[dict[tuple[str, Path | None, bool], list[Path]] | None] = ContextVar(
-    "_known", default=None
+# The folders of packages within `cache_package_searches`: package, file near it, whether `file` is allowed.
+_cached_folders: ContextVar[dict[tuple[str, Path | None, bool], list[Path]] | None] = ContextVar(
+    "_cached_folders", default=None
 )
 
 
 @contextmanager
-def search_once() -> Iterator[None]:
+def cache_package_searches() -> Iterator[None]:
     """Search the folders of each package once within a `with` block, in which many files are resolved.
 
     Every search stats all folders of the workspace, because a package may have been added meanwhile.
     """
-    token = _known.set({})
+    token = _cached_folders.set({})
     try:
         yield
     finally:
-        _known.reset(token)
+        _cached_folders.reset(token)
 
 
 def _known_folders(name: str, near: Path | None) -> Iterable[Path]:
-    """Return the candidate folders of a package, searched once within `search_once`."""
-    known, key = _known.get(), (name, near, "file" in _schemes)
+    """Return the candidate folders of a package, searched once within `cache_package_searches`."""
+    known, key = _cached_folders.get(), (name, near, "file" in _schemes)
     if known is None:
         return _package_folders(name, near)
     if key not in known:
@@ -539,7 +539,7 @@ def _from_example_robot_data(name: str) -> Robot:
 def from_text(text: str, path: Path | None = None) -> Robot:
     """Return the robot of a URDF's text. Its shapes are loaded later."""
     tree = parse_urdf(text)
-    with search_once():
+    with cache_package_searches():
         for uri in _meshes(text):
             resolve(uri, path)
 
@@ -553,7 +553,7 @@ def from_text(text: str, path: Path | None = None) -> Robot:
         kinds = (pinocchio.GeometryType.COLLISION, pinocchio.GeometryType.VISUAL)
         # Pinocchio finds packages only by the names of their folders, so it gets paths.
         resolved = text
-        with search_once():
+        with cache_package_searches():
             files = {uri: resolve(uri, path) for uri in _meshes(text)}
         for uri, file in files.items():
             for quote in "\"'":

@@ -180,7 +180,7 @@ def hint(error: BaseException) -> str:
         or near_names.parameter_hint(error)
         or near_names.keyword_hint(error)
         or _lifecycle_hint(error, text)
-        or near_names.surplus_hint(error)
+        or near_names.extra_argument_hint(error)
         or near_names.constructor_hint(error)
         or _super_hint(error, text)
         or _unbound_hint(error, text)
@@ -905,7 +905,7 @@ def _types_in_error(text: str) -> list[str]:
     match = re.match(r"(?:type object )?'(\w+)' (?:object )?has no attribute", text)
     types = [name for name in type_names() if match and name.endswith(f"/{match[1]}")]
     # example_interfaces repeats the types of std_msgs, which are more likely to be meant.
-    return near_names.likeliest_first(types)
+    return near_names.sort_by_likelihood(types)
 
 
 def _paths_to(name: str, attribute: str) -> list[str]:

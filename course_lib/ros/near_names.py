@@ -180,7 +180,7 @@ ROS_1 = {
 }
 
 
-def likeliest_first(types: Iterable[str]) -> list[str]:
+def sort_by_likelihood(types: Iterable[str]) -> list[str]:
     """Return message types, those of common packages before others of the same name, like Point."""
 
     def rank(name: str) -> int:
@@ -565,7 +565,7 @@ def keyword_hint(error: BaseException) -> str:
     return f"{match[1]} takes {join_words(names)}." if 0 < len(names) <= 8 else ""
 
 
-def surplus_hint(error: BaseException) -> str:
+def extra_argument_hint(error: BaseException) -> str:
     """Return the hint for a method that receives more arguments than it accepts, although it has `self`."""
     match = re.match(
         r"(?:.*\.)?(\w+)\.(\w+)\(\) takes \d+ positional arguments? but (\d+) (?:was|were) given", str(error)
@@ -735,7 +735,7 @@ def _importable(frame: FrameType) -> dict[str, str]:
     is_launch = "generate_launch_description" in (*frame.f_globals, frame.f_code.co_name)
     messages = {
         name.rpartition("/")[2]: "from {}.{} import {}".format(*name.split("/"))
-        for name in reversed(likeliest_first(type_names()))
+        for name in reversed(sort_by_likelihood(type_names()))
     }
     own_imports = {**LAUNCH_IMPORTS, **IMPORTS, **(IN_LAUNCH_FILES if is_launch else {})}
     modules = {name: f"import {name}" for name in _STDLIB}

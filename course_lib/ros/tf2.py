@@ -235,9 +235,9 @@ class TimeCache:
         return bisect_right(self._transforms, time_ns, key=attrgetter("stamp_ns"))
 
     def _check_time(self, time_ns: int) -> None:
-        requested = seconds(time_ns)
+        requested = format_stamp(time_ns)
         if len(self._transforms) < 2:
-            only = seconds(self._transforms[0].stamp_ns if self._transforms else 0)
+            only = format_stamp(self._transforms[0].stamp_ns if self._transforms else 0)
             raise NoDataError(
                 f"Lookup would require extrapolation at time {requested}, but only time {only} is "
                 "in the buffer"
@@ -247,7 +247,7 @@ class TimeCache:
         if not self._transforms[0].stamp_ns < time_ns < self._transforms[-1].stamp_ns:
             raise NoDataError(
                 f"Lookup would require extrapolation into the {direction}.  Requested time "
-                f"{requested} but the {edge} data is at time {seconds(nearest.stamp_ns)}"
+                f"{requested} but the {edge} data is at time {format_stamp(nearest.stamp_ns)}"
             )
 
 
@@ -291,7 +291,7 @@ def rejection_messages(
     return tuple(text for is_broken, text in rules if is_broken)
 
 
-def seconds(time_ns: int) -> str:
+def format_stamp(time_ns: int) -> str:
     """Format a time in [s] as tf2 does."""
     return f"{time_ns / 1e9:.6f}"
 
@@ -333,7 +333,7 @@ class BufferCore:
         if not self._store(entry, is_static):
             return (
                 f"TF_OLD_DATA ignoring data from the past for frame {child} at time "
-                f"{seconds(transform.stamp_ns)} according to authority {authority}\n"
+                f"{format_stamp(transform.stamp_ns)} according to authority {authority}\n"
                 "Possible reasons are listed at http://wiki.ros.org/tf/Errors%20explained",
             )
         self.authorities[child] = authority
@@ -562,8 +562,8 @@ def as_yaml(buffer: BufferCore) -> str:
             f"  parent: '{parent}'\n"
             f"  broadcaster: '{buffer.authorities[frame]}'\n"
             f"  rate: {count * 1e9 / max(length_ns, _SHORTEST_NS):.3f}\n"
-            f"  most_recent_transform: {seconds(newest_ns)}\n"
-            f"  oldest_transform: {seconds(oldest_ns)}\n"
+            f"  most_recent_transform: {format_stamp(newest_ns)}\n"
+            f"  oldest_transform: {format_stamp(oldest_ns)}\n"
             f"  buffer_length: {length_ns / 1e9:.3f}\n"
         )
     return text

@@ -195,7 +195,7 @@ def _innermost_own_line(places: Iterable[tuple[str, int | None]]) -> str:
 
 
 @contextlib.contextmanager
-def named_when_interrupted(why: Callable[[], str]) -> Iterator[None]:
+def explain_interrupts(why: Callable[[], str]) -> Iterator[None]:
     """Print the program's line and `why()` if the end of the run or Ctrl+C interrupts the `with` block.
 
     It prints nothing if `why()` is empty. In a notebook the traceback shows the line.

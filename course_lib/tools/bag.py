@@ -28,7 +28,7 @@ def existing_path(text: str) -> Path:
     return Path(text)
 
 
-def several(*flags: str, help: str, metavar: str = "Topic", exclusive: str = "") -> Option:  # noqa: A002  # argparse's own word
+def many_values(*flags: str, help: str, metavar: str = "Topic", exclusive: str = "") -> Option:  # noqa: A002  # argparse's own word
     """Return an option that accepts a list."""
     return value(*flags, help=help, exclusive=exclusive, metavar=metavar, nargs="+", default=[])
 
@@ -121,13 +121,13 @@ _RECORD = (
     value("topics_positional", nargs="*", metavar="Topic", help="Topics to record (deprecated)"),
     value("-o", "--output", help="Folder of the bag; default: named by the time"),
     value("-s", "--storage", choices=("mcap",), default="mcap", help="Storage of the bag"),
-    several("--topics", help="Topics to record"),
-    several("--topic-types", help="Types of topics to record", metavar="TopicType"),
+    many_values("--topics", help="Topics to record"),
+    many_values("--topic-types", help="Types of topics to record", metavar="TopicType"),
     flag("-a", "--all", "--all-topics", help="Record all topics, except hidden ones"),
     value("-e", "--regex", type=pattern, help="Record topics whose names contain this expression"),
     value("--exclude-regex", type=pattern, help="Leave out topics whose names contain this expression"),
-    several("--exclude-topics", help="Topics to leave out"),
-    several("--exclude-topic-types", help="Types of topics to leave out", metavar="TopicType"),
+    many_values("--exclude-topics", help="Topics to leave out"),
+    many_values("--exclude-topic-types", help="Types of topics to leave out", metavar="TopicType"),
     flag("--include-hidden-topics", help="Record hidden topics as well"),
     flag("--use-sim-time", help="Stamp messages by /clock; none is recorded before its first message"),
 )
@@ -300,10 +300,10 @@ def _rule(text: str) -> tuple[str, str]:
 _PLAY = (
     *READER,
     value("-r", "--rate", type=positive(float), default=1.0, help="rate at which to play back messages"),
-    several("--topics", help="Topics to play"),
+    many_values("--topics", help="Topics to play"),
     value("-e", "--regex", type=pattern, help="Play only topics that match this expression"),
     value("-x", "--exclude-regex", type=pattern, help="Leave out topics that match this expression"),
-    several("--exclude-topics", help="Topics not to play"),
+    many_values("--exclude-topics", help="Topics not to play"),
     flag("-l", "--loop", help="Start again at the end, until stopped"),
     value("-m", "--remap", nargs="+", type=_rule, default=[], help="Other names: /old:=/new"),
     value(
@@ -314,7 +314,7 @@ _PLAY = (
         help="Publish /clock at this rate, in Hz",
         exclusive="clock",
     ),
-    several("--clock-topics", help="Publish /clock before messages of these topics", exclusive="clock"),
+    many_values("--clock-topics", help="Publish /clock before messages of these topics", exclusive="clock"),
     flag("--clock-topics-all", help="Publish /clock before each message", exclusive="clock"),
     value(
         "-d",

@@ -21,7 +21,7 @@ Rows = list[tuple[str, object]]
 
 
 def _run(source: Source, arguments: Namespace, write: Write) -> None:
-    link = _link(source)
+    link = _link_rows(source)
     reports = _reports(source, link)
     if arguments.exclude_packages:
         del reports["PACKAGE VERSIONS"]
@@ -53,7 +53,7 @@ def _run(source: Source, arguments: Namespace, write: Write) -> None:
         write("".join(_table(title, rows) for title, (of, rows) in reports.items() if of in failed))
 
 
-def _link(source: Source) -> Rows:
+def _link_rows(source: Source) -> Rows:
     """Return the state of the link to a robot, after briefly receiving its small topics."""
     import rclpy
 

@@ -33,7 +33,7 @@ def snapshot(scene: Scene) -> bytes:
     return pack(scene_batch(scene))
 
 
-def still(scene: Scene) -> bytes:
+def encode_snapshot(scene: Scene) -> bytes:
     """Encode a whole scene for one picture, replacing objects whose textures a page loads later."""
     batch = scene_batch(scene)
     for command in batch["commands"]:

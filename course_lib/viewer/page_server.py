@@ -102,7 +102,7 @@ def frame_message(content: dict[str, Any], buffers: list[bytes]) -> bytes:
     return b"\n".join([head, b"".join(buffers)])
 
 
-def bound(port: int) -> list[socket.socket]:
+def open_sockets(port: int) -> list[socket.socket]:
     """Bind a port of this machine; 0 selects a free one.
 
     Raises:
@@ -156,7 +156,7 @@ class PageServer:
             CourseError: The port is not available, or browsers could not reach it.
         """
         require_reachable_page()
-        self._listening = bound(self.port)
+        self._listening = open_sockets(self.port)
         self.port = self._listening[0].getsockname()[1]
 
     def start(self) -> None:

@@ -12,7 +12,7 @@ from course_lib.errors import CourseError
 from course_lib.grading.check import check
 from course_lib.grading.grade import grade
 from course_lib.grading.marks import stored_result
-from course_lib.grading.platforms.gradescope import one_week
+from course_lib.grading.platforms.gradescope import keep_one_week
 from course_lib.grading.reports.report import report
 from course_lib.grading.store import Course, catalog_of
 from course_lib.grading.submissions.submission import find_submissions, plan_attempts
@@ -115,9 +115,9 @@ def test_report_is_not_written_without_the_deadline_of_its_week(course: Course, 
 
 def test_autograder_is_created_only_for_weeks_without_faults(course: Course) -> None:
     path = write(course, FAULTY)
-    assert b"week02" not in one_week(path, "week01")
+    assert b"week02" not in keep_one_week(path, "week01")
     with pytest.raises(CourseError, match=SAID):
-        one_week(path, "week02")
+        keep_one_week(path, "week02")
 
 
 def test_course_with_a_faulty_week_is_not_released(course: Course) -> None:

@@ -50,7 +50,7 @@ def test_image_texture_is_drawn_into_a_rendered_image(shape: Any) -> None:
 def test_snapshot_of_a_rendered_image_requires_no_image_loading() -> None:
     scene = _textured(g.Box([1, 1, 1]), _quarters())
     assert b"data:image/png" in encoding.snapshot(scene)
-    assert b"data:image/png" not in encoding.still(scene)
+    assert b"data:image/png" not in encoding.encode_snapshot(scene)
 
 
 def test_object_with_a_broken_image_texture_has_no_stand_in() -> None:

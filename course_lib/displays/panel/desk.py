@@ -719,7 +719,7 @@ class TimePanel:
         self._source = source
         # Wall-clock time of the last message [s].
         self._posted = 0.0
-        self._shown: TimeState | None = None
+        self._posted_state: TimeState | None = None
         link.listen("time", self._act)
         session.after_frame.append(self.refresh)
 
@@ -730,7 +730,7 @@ class TimePanel:
     def refresh(self) -> None:
         """Send the time if it has changed and the last message is older than PERIOD."""
         is_due = self._link.is_watched and wall.monotonic() - self._posted >= TIME_PERIOD
-        if is_due and self._source.time() != self._shown:
+        if is_due and self._source.time() != self._posted_state:
             self._post()
 
     def _act(self, content: dict[str, Any]) -> None:
@@ -745,5 +745,5 @@ class TimePanel:
         self._posted = 0.0
 
     def _post(self, note: str = "") -> None:
-        self._posted, self._shown = wall.monotonic(), self._source.time()
-        self._link.post({"type": "time", **to_json(replace(self._shown, note=note))})
+        self._posted, self._posted_state = wall.monotonic(), self._source.time()
+        self._link.post({"type": "time", **to_json(replace(self._posted_state, note=note))})

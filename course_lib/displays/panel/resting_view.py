@@ -41,7 +41,7 @@ class RestingView(SceneWidget):
         *,
         plays: bool = False,
     ) -> None:
-        self._words = str(StatusTable(session.rows()))
+        self._status_text = str(StatusTable(session.rows()))
         panels = json.dumps(_panels(session, REPLAY if plays else RECORDED))
         self._source, self._span = weakref.ref(recording), (seconds, recording.time)
         super().__init__(
@@ -59,7 +59,7 @@ class RestingView(SceneWidget):
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         data, metadata = super()._repr_mimebundle_(**kwargs)
-        return data | {"text/plain": f"{data['text/plain']}\n{self._words}"}, metadata
+        return data | {"text/plain": f"{data['text/plain']}\n{self._status_text}"}, metadata
 
 
 def _panels(session: RvizSession, notice: str) -> Any:

@@ -201,7 +201,7 @@ def select_readable(
         paths.update(_exclude(path, [*course, *handed_out, *([] if is_package else shared)]))
     looked_in = map(os.path.realpath, [*folders, KIT])
     listed_folders = [path for path in looked_in if not any(_contains(path, one) for one in course)]
-    links = dict(link for path in existing for link in symlinks_on(path))
+    links = dict(link for path in existing for link in symlinks_along(path))
     # These are the links, not their targets.
     links |= {path: os.readlink(path) for path in paths if os.path.islink(path)}
     return ReadablePaths(
@@ -209,7 +209,7 @@ def select_readable(
     )
 
 
-def symlinks_on(path: str) -> Iterator[tuple[str, str]]:
+def symlinks_along(path: str) -> Iterator[tuple[str, str]]:
     """Yield the symbolic links on the way to an existing path, with their targets."""
     prefix, components = "/", path.split("/")
     while components:

@@ -33,7 +33,7 @@ from course_lib.grading.reports.table import fill, printable, strip_control_char
 from course_lib.grading.reports.tables import write_tables
 from course_lib.host import hub_prefix, user_name
 from course_lib.third_party import read_json
-from course_lib.viewer.page_server import Guarded, bound
+from course_lib.viewer.page_server import Guarded, open_sockets
 
 PAUSE = 3.0  # [s] to wait for further marks before reports are written
 GENTLE = 10  # niceness of the process that writes reports
@@ -297,7 +297,7 @@ class _JsonHandler(_MarkingHandler):
         self.set_header("Content-Type", "application/json")
         self.finish(json.dumps(content))
 
-    def others(self, key: str | None = None) -> dict[str, str]:
+    def open_items(self, key: str | None = None) -> dict[str, str]:
         """Return the items that other pages have open, and record the item that this page opens."""
         page, person = self.get_query_argument("page", "")[:40], self.get_query_argument("by", "")
         return self.desk.queue.set_open_item(page, read_name(person), key) if page else {}
@@ -315,7 +315,7 @@ class QueueHandler(_JsonHandler):
         if not text.isdecimal() or len(text) > 12:
             raise CourseError(f"{text!r:.40} is not the number of a change")
         changes = self.desk.queue.since(int(text))
-        return changes | {"others": self.others(), "state": self.desk.follower.state}
+        return changes | {"others": self.open_items(), "state": self.desk.follower.state}
 
 
 class ItemHandler(_JsonHandler):
@@ -326,7 +326,7 @@ class ItemHandler(_JsonHandler):
         await self.answer(self._details, key)
 
     def _details(self, key: str) -> dict[str, Any]:
-        return self.desk.details(key) | {"others": self.others(key)}
+        return self.desk.details(key) | {"others": self.open_items(key)}
 
     async def post(self, _: str, key: str) -> None:
         """Save marks, and respond when they are on the disk."""
@@ -447,11 +447,11 @@ async def _serve(out: Path, port: int | None, browser: bool, course: store.Cours
 
 def _sockets(port: int | None) -> Sequence[Any]:
     if port is not None:
-        return bound(port)
+        return open_sockets(port)
     try:
-        return bound(PORT)
+        return open_sockets(PORT)
     except CourseError:
-        return bound(0)
+        return open_sockets(0)
 
 
 def _announce(desk: MarkingState, browser: bool) -> None:

@@ -121,10 +121,10 @@ def _stage_all(
             lines.append(f"refused: {clone.name}: its name does not end with a login from the class list")
         elif student in receipts:
             lines.append(f"refused: {clone.name}: {student} has two clones")
-        elif not _stage(clone, place / student):
+        elif not _copy_exercises(clone, place / student):
             lines.append(f"{student}: no exercise in {_exercise_folder(clone)} differs from the released one")
         else:
-            receipts[student] = PlatformTime(times.get(_head(clone), ""), "GitHub, push", True)
+            receipts[student] = PlatformTime(times.get(_head_commit(clone), ""), "GitHub, push", True)
     return lines, receipts
 
 
@@ -140,7 +140,7 @@ def _exercise_folder(clone: Path) -> Path:
     return clone / FOLDER if (clone / FOLDER).is_dir() else clone
 
 
-def _stage(clone: Path, place: Path) -> bool:
+def _copy_exercises(clone: Path, place: Path) -> bool:
     """Copy the changed exercises with their working files, and return whether there are any."""
     folder = _exercise_folder(clone)
     changed_files = {path.name for path in _changed_files(folder)}
@@ -167,7 +167,7 @@ def _is_included(path: Path, exercises: set[str]) -> bool:
     return path.name in exercises if path.suffix.lower() == ".ipynb" else is_kept
 
 
-def _head(clone: Path) -> str:
+def _head_commit(clone: Path) -> str:
     """Return the commit that is checked out, or ""."""
     try:
         head = (clone / ".git" / "HEAD").read_text().strip()

@@ -443,7 +443,7 @@ def _add_file(archive: ZipFile, name: str, content: bytes, mode: int) -> None:
 
 def _course_files(root: Path, week: str) -> Iterator[tuple[str, bytes]]:
     """Yield the name and content of each file of a course with a single week."""
-    yield "course/exercises/course.toml", one_week(root / "exercises" / "course.toml", week)
+    yield "course/exercises/course.toml", keep_one_week(root / "exercises" / "course.toml", week)
     solution = root / "solutions" / f"{week}_solution.ipynb"
     paths = [solution, root / "solutions" / "checks" / f"{week}.py"]
     if missing := [path for path in paths if not path.is_file()]:
@@ -457,7 +457,7 @@ def _course_files(root: Path, week: str) -> Iterator[tuple[str, bytes]]:
             yield f"course/{path.relative_to(root).as_posix()}", path.read_bytes()
 
 
-def one_week(path: Path, week: str) -> bytes:
+def keep_one_week(path: Path, week: str) -> bytes:
     """Return course.toml without the tables of other weeks.
 
     Raises:

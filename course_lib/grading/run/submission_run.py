@@ -334,14 +334,16 @@ class ScenarioGraph:
     def _record_rejections(self, service: str) -> None:
         """Record the text that `ros2 param set` would print for a rejected parameter."""
 
-        def hear(data: bytes, source_ns: int, _: int) -> None:
+        def on_response(data: bytes, source_ns: int, _: int) -> None:
             seconds, reasons = (source_ns - START_NS) * 1e-9, rejection_reasons(data[SERVICE_HEADER.size :])
             messages = [f"At {seconds:.2f} s: Setting parameter failed: {reason}\n" for reason in reasons]
             self._rejections += messages[: MOST_REJECTIONS - len(self._rejections)]
 
         prefix, suffix = SERVICE_TOPICS[1]
         topic = f"{prefix}{service}{suffix}"
-        self.graph.add_subscription(self._input_node, 0, topic, f"{SET_PARAMETERS}_Response", Qos(), hear)
+        self.graph.add_subscription(
+            self._input_node, 0, topic, f"{SET_PARAMETERS}_Response", Qos(), on_response
+        )
 
     def _record(self, sample: Sample) -> None:
         # /rosout contains file names, which differ from process to process for cells.

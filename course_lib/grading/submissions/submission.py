@@ -358,7 +358,7 @@ def _files(top: Path) -> Iterator[Path]:
 PLACES = "places.json"
 
 
-def read_places(out: Path) -> dict[str, str]:
+def read_submission_folders(out: Path) -> dict[str, str]:
     """Return the folder of each "STUDENT/EXERCISE"; records of older versions have none."""
     try:
         content = read_json((out / PLACES).read_text(encoding="utf-8"))
@@ -367,20 +367,23 @@ def read_places(out: Path) -> dict[str, str]:
         return {}
 
 
-def store_places(out: Path, submissions: Path, submissions_found: Iterable[Submission]) -> None:
+def store_submission_folders(out: Path, submissions: Path, submissions_found: Iterable[Submission]) -> None:
     """Store the current folder of the submissions; entries of other folders are kept.
 
     Raises:
         OSError: It can't be written.
     """
     folder = Path(os.path.relpath(submissions.resolve(), out.resolve())).as_posix()
-    places = {**read_places(out), **{f"{one.student}/{one.exercise}": folder for one in submissions_found}}
+    places = {
+        **read_submission_folders(out),
+        **{f"{one.student}/{one.exercise}": folder for one in submissions_found},
+    }
     write_atomically(out / PLACES, json.dumps(places, indent=1, sort_keys=True).encode("utf-8", "replace"))
 
 
 def graded_file(submission: Submission, out: Path) -> Path:
     """Return the path of a result's file; results of older versions contain the full path."""
-    folder = read_places(out).get(f"{submission.student}/{submission.exercise}")
+    folder = read_submission_folders(out).get(f"{submission.student}/{submission.exercise}")
     return submission.path if folder is None else out / folder / submission.path
 
 
@@ -396,7 +399,7 @@ def missing_file_lines(
         out: The folder of records.
     """
     present = {(one.student, one.exercise) for one in found_submissions}
-    exercises, places = {exercise for _, exercise in present}, read_places(out)
+    exercises, places = {exercise for _, exercise in present}, read_submission_folders(out)
     missing = list[str]()
     for result in results:
         student, exercise = result.submission.student, result.submission.exercise

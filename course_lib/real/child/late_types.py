@@ -68,37 +68,37 @@ class _Writer:
     def __init__(self) -> None:
         self.body = bytearray()
 
-    def primitives(self, code: str, values: Any) -> None:
+    def write_primitives(self, code: str, values: Any) -> None:
         size = struct.calcsize(code)
         if len(values):
             self.body += bytes(-len(self.body) % size)
             self.body += struct.pack(f"<{len(values)}{code}", *values)
 
-    def element(self, element: str, value: Any) -> None:
+    def write_element(self, element: str, value: Any) -> None:
         if element in PRIMITIVES:
-            self.primitives(PRIMITIVES[element][0], [value[0] if isinstance(value, bytes) else value])
+            self.write_primitives(PRIMITIVES[element][0], [value[0] if isinstance(value, bytes) else value])
         elif is_string(element):
             data = value.encode() + b"\0"
-            self.primitives("I", [len(data)])
+            self.write_primitives("I", [len(data)])
             self.body += data
         else:
-            self.message(value)
+            self.write_message(value)
 
-    def message(self, message: Any) -> None:
+    def write_message(self, message: Any) -> None:
         fields = message.get_fields_and_field_types()
         for name, text in fields.items():
             element, count = parse_type(text)
             value = getattr(message, name)
             if count is None:
-                self.element(element, value)
+                self.write_element(element, value)
                 continue
             if count == 0:
-                self.primitives("I", [len(value)])
+                self.write_primitives("I", [len(value)])
             if element in PRIMITIVES and element != "octet":
-                self.primitives(PRIMITIVES[element][0], value)
+                self.write_primitives(PRIMITIVES[element][0], value)
             else:
                 for one in value:
-                    self.element(element, one)
+                    self.write_element(element, one)
         if not fields:
             # CDR has no empty structures, so rosidl adds a byte.
             self.body.append(0)
@@ -110,7 +110,7 @@ class _Reader:
         self.body = data[len(HEADER) :]
         self.position = 0
 
-    def primitives(self, code: str, count: int) -> tuple[Any, ...]:
+    def read_primitives(self, code: str, count: int) -> tuple[Any, ...]:
         if not count:
             return ()
         form = f"{self.order}{count}{code}"
@@ -119,43 +119,45 @@ class _Reader:
         self.position += struct.calcsize(form)
         return values
 
-    def element(self, element: str) -> Any:
+    def read_element(self, element: str) -> Any:
         if element in PRIMITIVES:
-            (value,) = self.primitives(PRIMITIVES[element][0], 1)
+            (value,) = self.read_primitives(PRIMITIVES[element][0], 1)
             return bytes([value]) if element == "octet" else value
         if is_string(element):
-            (size,) = self.primitives("I", 1)
+            (size,) = self.read_primitives("I", 1)
             self.position += size
             return self.body[self.position - size : self.position].rstrip(b"\0").decode()
-        return self.message(nested_class(element))
+        return self.read_message(nested_class(element))
 
-    def message(self, message_class: Any) -> Any:
+    def read_message(self, message_class: Any) -> Any:
         message = message_class()
         fields = message_class.get_fields_and_field_types()
         for name, text in fields.items():
             element, count = parse_type(text)
             if count is None:
-                setattr(message, name, self.element(element))
+                setattr(message, name, self.read_element(element))
                 continue
-            size = count or self.primitives("I", 1)[0]
+            size = count or self.read_primitives("I", 1)[0]
             if element in PRIMITIVES and element != "octet":
-                values = list(self.primitives(PRIMITIVES[element][0], size))
+                values = list(self.read_primitives(PRIMITIVES[element][0], size))
                 default = getattr(message, name)
                 # The wheels store arrays of numbers in containers with a fixed type, which must be
                 # kept.
                 setattr(
                     message,
                     name,
-                    default.__class__(values) if isinstance(default, list) else _like(default, values),
+                    default.__class__(values)
+                    if isinstance(default, list)
+                    else _as_container(default, values),
                 )
             else:
-                setattr(message, name, [self.element(element) for _ in range(size)])
+                setattr(message, name, [self.read_element(element) for _ in range(size)])
         if not fields:
             self.position += 1
         return message
 
 
-def _like(template: Any, values: list[Any]) -> Any:
+def _as_container(template: Any, values: list[Any]) -> Any:
     """Return values in the container type of a field: `array.array` or a numpy array."""
     import array
 
@@ -169,13 +171,13 @@ def _like(template: Any, values: list[Any]) -> Any:
 def serialize(message: Any) -> bytes:
     """Return the CDR bytes of a message after their header."""
     writer = _Writer()
-    writer.message(message)
+    writer.write_message(message)
     return HEADER + bytes(writer.body)
 
 
 def deserialize(data: bytes, message_class: Any) -> Any:
     """Deserialize a message from CDR bytes with their header."""
-    return _Reader(data).message(message_class)
+    return _Reader(data).read_message(message_class)
 
 
 FAST_RTPS, INTROSPECTION = b"rosidl_typesupport_fastrtps_c", b"rosidl_typesupport_introspection_c"

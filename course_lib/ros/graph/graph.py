@@ -86,7 +86,7 @@ class Graph:
         self.human_nodes: set[int] = set()
         # Whether further samples of the same time follow for the subscription that is receiving
         # one.
-        self.more_follow = False
+        self.has_more = False
         self.notebook = notebook
         # Returns whether the wall clock has reached a robot time.
         self.pace: Callable[[int], bool] | None = None
@@ -217,11 +217,11 @@ class Graph:
         # too short drops the oldest samples of a burst, as in ROS.
         delivery = alarm.action if isinstance(alarm.action, _Delivery) else None
         is_burst = delivery is not None and delivery.sample.node not in self.human_nodes
-        self.more_follow = is_burst and self._is_next_for_same_entity(alarm)
+        self.has_more = is_burst and self._is_next_for_same_entity(alarm)
         alarm.action()
-        while self.more_follow:
+        while self.has_more:
             alarm = heapq.heappop(self._events)[4]
-            self.more_follow = self._is_next_for_same_entity(alarm)
+            self.has_more = self._is_next_for_same_entity(alarm)
             alarm.action()
         return True
 

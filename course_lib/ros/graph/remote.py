@@ -352,9 +352,9 @@ class GraphServer:
         self._check_new(endpoint, node, topic, type_name)
 
         def on_message(cdr: bytes, source_ns: int, received_ns: int) -> None:
-            more_follow = self.graph.more_follow
+            has_more = self.graph.has_more
             self._send_and_serve(
-                ["message", received_ns, endpoint, cdr, source_ns, more_follow], serve=not more_follow
+                ["message", received_ns, endpoint, cdr, source_ns, has_more], serve=not has_more
             )
 
         self.graph.add_subscription(node, entity, topic, type_name, _qos(qos), on_message)
@@ -542,18 +542,18 @@ class RemoteGraph(Graph):
         if self.ended:
             return False
         self._channel.send(["idle"])
-        more_follow = True
-        while more_follow:
+        has_more = True
+        while has_more:
             name, now_ns, *arguments = self._channel.receive()
             self._advance_to(now_ns)
-            more_follow = False
+            has_more = False
             if name == "end":
                 self.ended = True
                 return False
             if name == "fire":
                 self._alarms.pop(arguments[0]).action()
             elif name == "message":
-                endpoint, cdr, source_ns, more_follow = arguments
+                endpoint, cdr, source_ns, has_more = arguments
                 self._on_message[endpoint](cdr, source_ns, now_ns)
             else:
                 raise ChannelError(f"Expected fire, message or end, got {name!r}.")

@@ -60,11 +60,11 @@ def read_table() -> TypeTable | None:
 
 def to_rosbags_form(definition: Any) -> Any:
     """Convert a definition in the table to rosbags' format: two lists of tuples."""
-    return tuple([_tuples(one) for one in part] for part in definition)
+    return tuple([_as_tuples(one) for one in part] for part in definition)
 
 
-def _tuples(value: Any) -> Any:
-    return tuple(map(_tuples, value)) if isinstance(value, list) else value
+def _as_tuples(value: Any) -> Any:
+    return tuple(map(_as_tuples, value)) if isinstance(value, list) else value
 
 
 SERVICE_PARTS = ("_Request", "_Response")

@@ -359,7 +359,7 @@ class _CMake:
         while rest and self._budget > 0:
             self._budget -= 1
             command, inner = rest.popleft()
-            words = _words(inner, self.variables)
+            words = _split_words(inner, self.variables)
             match command.lower(), words:
                 case (("macro" | "function") as kind, [name, *parameters]):
                     self._macros[name.lower()] = _CMakeMacro(parameters, _body(rest, kind))
@@ -448,7 +448,7 @@ def _sources_of_install(arguments: list[str]) -> list[str]:
     return arguments[:end]
 
 
-def _words(inner: str, variables: Mapping[str, list[str]]) -> list[str]:
+def _split_words(inner: str, variables: Mapping[str, list[str]]) -> list[str]:
     """Split the arguments of a CMake command and substitute its variables."""
     arguments: list[str] = []
     for quoted, plain in _WORD.findall(inner):

@@ -129,7 +129,7 @@ class _Crawl:
         """Return whether the folders and manifests are unchanged since they were read."""
         if any(self.read_ns - changed_at < _FRESH_NS for changed_at in self.changed_ns.values()):
             return False
-        return all(_changed_ns(path) == changed_at for path, changed_at in self.changed_ns.items())
+        return all(_modified_ns(path) == changed_at for path, changed_at in self.changed_ns.items())
 
 
 _crawls: dict[Path, _Crawl] = {}
@@ -259,13 +259,13 @@ def _crawl(root: Path) -> _Crawl:
         except OSError:
             # The folder was deleted or is not readable, so no package of this user is in it.
             entries = []
-        changed_ns[folder] = _changed_ns(folder)
+        changed_ns[folder] = _modified_ns(folder)
         names = {entry.name for entry in entries}
         if names & IGNORED:
             continue
         if MANIFEST in names:
             manifest = os.path.join(folder, MANIFEST)
-            changed_ns[manifest] = _changed_ns(manifest)
+            changed_ns[manifest] = _modified_ns(manifest)
             if name := name_of(Path(manifest)):
                 manifests.append((name, Path(folder)))
                 continue
@@ -282,7 +282,7 @@ def _is_searched(entry: "os.DirEntry[str]") -> bool:
         return False
 
 
-def _changed_ns(path: str) -> int:
+def _modified_ns(path: str) -> int:
     try:
         return os.stat(path).st_mtime_ns
     except OSError:

@@ -79,16 +79,16 @@ def _nodes(mapping: Any, path: str) -> Iterator[tuple[str, dict[str, Any]]]:
         elif re.search(r"[^\w/*]|\w\*|\*\w", path, re.ASCII):
             raise ValueError("node name must not contain characters other than alphanumerics or '_'")
         else:
-            yield path, dict(_flat(value, ""))
+            yield path, dict(_flatten(value, ""))
 
 
-def _flat(mapping: Any, prefix: str) -> Iterator[tuple[str, Any]]:
+def _flatten(mapping: Any, prefix: str) -> Iterator[tuple[str, Any]]:
     if not isinstance(mapping, yaml.MappingNode):
         raise ValueError(f"No value at line {mapping.start_mark.line + 1}")
     for key, value in mapping.value:
         name = f"{prefix}{key.value}"
         if isinstance(value, yaml.MappingNode):
-            yield from _flat(value, f"{name}.")
+            yield from _flatten(value, f"{name}.")
         elif isinstance(value, yaml.SequenceNode) and isinstance(
             inner := _only_item(value), yaml.MappingNode
         ):

@@ -495,7 +495,7 @@ class RobotGraph(Graph):
         self._polled_ns = 0
         self._is_up = link.is_up()
         # Wall time at which the robot's clock was discovered [s]; None before.
-        self._clock_found: float | None = None
+        self._clock_found_at: float | None = None
         # Wall time at which the link was lost [s]; None if it never was.
         self._down_since: float | None = None
         self._is_silent = False
@@ -699,8 +699,8 @@ class RobotGraph(Graph):
     def _on_entity_added(self, entity: Entity) -> None:
         self._report_once(entity.type_name, type_warning(entity))
         if entity.kind == "publisher":
-            if entity.topic == CLOCK and self._clock_found is None:
-                self._clock_found = wall.monotonic()
+            if entity.topic == CLOCK and self._clock_found_at is None:
+                self._clock_found_at = wall.monotonic()
             # Poll immediately, so that taps miss as few of the first messages as possible.
             self._polled_ns = 0
             self._check_drivers(entity.topic)
@@ -749,7 +749,7 @@ class RobotGraph(Graph):
 
     def _check_simulated_time(self) -> None:
         """Warn about the simulated time of the robot, unless a node or view follows /clock soon."""
-        if self._clock_found is None or wall.monotonic() - self._clock_found < CLOCK_SECONDS:
+        if self._clock_found_at is None or wall.monotonic() - self._clock_found_at < CLOCK_SECONDS:
             return
         own_nodes = self._own_nodes.keys() - {self._tap_node}
         subscriptions = (info for info in self._topics.endpoints_on(CLOCK) if info.kind == "sub")

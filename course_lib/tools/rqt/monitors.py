@@ -230,7 +230,7 @@ class RobotMonitorView(RqtView):
         for status in message.status:
             self._statuses["/" + status.name.strip("/")] = sample.stamp_ns, status
         if self._statuses:
-            self._history.append((sample.stamp_ns, self.worst("")))
+            self._history.append((sample.stamp_ns, self.worst_level("")))
 
     def refresh(self) -> None:
         """Update the choice of statuses and the picture."""
@@ -255,7 +255,7 @@ class RobotMonitorView(RqtView):
         is_stale = self.graph.now_ns - heard_ns > STALE_NS
         return "stale" if is_stale else _LEVELS[min(status.level[0], 3)]
 
-    def worst(self, path: str) -> str:
+    def worst_level(self, path: str) -> str:
         """Return the worst level of a branch."""
         branch = (p for p in self._statuses if f"{p}/".startswith(f"{path}/"))
         return max(map(self._level, branch), key=_LEVELS.index)
@@ -266,7 +266,7 @@ class RobotMonitorView(RqtView):
         return sorted({"/".join(names[:deep]) for names in split_paths for deep in range(2, len(names) + 1)})
 
     def _row(self, path: str) -> list[str]:
-        level = self.worst(path)
+        level = self.worst_level(path)
         message = self._statuses[path][1].message if path in self._statuses else ""
         name = icon(level) + escape(path.rpartition("/")[2])
         indented = tag("span", name, style=f"padding-left:{18 * (path.count('/') - 1)}px")

@@ -20,7 +20,7 @@ from course_lib.grading.jail.launch import (
     readable,
     select_readable,
     shared_template,
-    symlinks_on,
+    symlinks_along,
 )
 from tests.grading.conftest import RIGHT, write_course
 from tests.patience import PATIENCE
@@ -87,7 +87,7 @@ def test_symlinks_on_the_path_of_a_required_file_are_resolved(tmp_path: Path) ->
     written(tmp_path / "usr/lib/a/x.so")
     (tmp_path / "lib").symlink_to("usr/lib")
     (tmp_path / "usr/lib/b").symlink_to(tmp_path / "lib/a")
-    links = dict(symlinks_on(str(tmp_path / "lib/b/x.so")))
+    links = dict(symlinks_along(str(tmp_path / "lib/b/x.so")))
     lib = str(tmp_path / "lib")
     assert links == {lib: "usr/lib", str(tmp_path / "usr/lib/b"): f"{lib}/a"}
 

@@ -43,7 +43,7 @@ def tell(planner: Node) -> Tell:
 
 def test_parent_status_is_the_worst_of_its_children(view: RobotMonitorView, tell: Tell) -> None:
     tell("/diagnostics_agg", Sensors_Camera=1, Sensors_Lidar=0, Motors_elbow=2)
-    assert [view.worst(path) for path in view.paths()] == ["error", "error", "warn", "warn", "ok"]
+    assert [view.worst_level(path) for path in view.paths()] == ["error", "error", "warn", "warn", "ok"]
     assert "ERROR" in view.picture()
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from course_lib.ros.messages import deserialize
 from course_lib.ros.mistakes import Mistake, marked
 from course_lib.ros.time.time_lock import DeadlockError, time_lock
-from course_lib.ros.tracebacks import named_when_interrupted
+from course_lib.ros.tracebacks import explain_interrupts
 from rclpy.context import Context
 from rclpy.duration import S_TO_NS
 from rclpy.executors import wait_until
@@ -65,7 +65,7 @@ class Client(ServiceEnd):
                 "MultiThreadedExecutor, with the client in another callback group."
             )
         awaited = f"the response of {self._course_full_name} and {_SPINNER}"
-        with named_when_interrupted(lambda: "" if self.__is_spun() else f"it waited in vain for {_SPINNER}."):
+        with explain_interrupts(lambda: "" if self.__is_spun() else f"it waited in vain for {_SPINNER}."):
             wait_until(self._course_node, lambda: not future._pending(), timeout_sec, awaited)
         if future._pending():
             self.remove_pending_request(future)
@@ -107,7 +107,7 @@ class Client(ServiceEnd):
         """
         awaited = f"the service {self._course_full_name}"
         why = "" if timeout_sec is not None else self.__missing_service
-        with named_when_interrupted(lambda: why):
+        with explain_interrupts(lambda: why):
             return wait_for_partner(self._course_node, self._course_is_ready, timeout_sec, awaited)
 
     def _course_is_for_me(self, client: int) -> bool:
