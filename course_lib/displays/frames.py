@@ -1,10 +1,8 @@
 """Transforms from tf frames to the fixed frame, and the time of a view.
 
 The rules and texts are those of RViz2's FrameManager and TFFrameTransformer, and of
-tf2_geometry_msgs for
-poses, which uses KDL. Numbers agree with RViz only if each step is the same, so this module repeats
-KDL's
-conversions instead of calling a library of rotations.
+tf2_geometry_msgs for poses, which uses KDL. Numbers agree with RViz only if each step is the same,
+so this module repeats KDL's conversions instead of calling a library of rotations.
 """
 
 from collections.abc import Callable, Iterable

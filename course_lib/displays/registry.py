@@ -1,8 +1,7 @@
 """The table of displays by RViz's class names, and displays that students register.
 
 A class that draws messages is registered like a plugin of RViz. This one draws the charge of a
-battery as
-a bar above the robot::
+battery as a bar above the robot::
 
     from course_lib.displays import OwnDisplay, Property, number, register, solid
 
@@ -168,8 +167,7 @@ class OwnDisplay(DrawnDisplay):
     """Base class of custom displays: the last message, in the frame of its header or in the fixed frame.
 
     A subclass has a `class_name` like "my_package/Name", a `type_name` like "nav_msgs/msg/Path", a
-    table
-    of `properties`, and the method `drawing`. `Viewer.add` creates the object.
+    table of `properties`, and the method `drawing`. `Viewer.add` creates the object.
     """
 
     def drawing(self, message: Any) -> Mapping[str, Drawable]:

@@ -171,8 +171,8 @@ def view(
     """Show a layout, and play a bag through it, until Ctrl+C.
 
     The bag starts playing when a page is open. Without a layout, a grid and all marker topics are
-    shown.
-    `port` and `token` determine the URL: 0 selects a free port, None generates a secret token.
+    shown. `port` and `token` determine the URL: 0 selects a free port, None generates a secret
+    token.
 
     Raises:
         CourseError: The bag or the layout cannot be read, or the port is in use.

@@ -243,10 +243,8 @@ def draw_covariances(poses: Sequence[UncertainPose], holder: PropertyHolder) -> 
     """Draw the covariances that the properties request.
 
     Positions are ellipsoids along the axes of the reference frame, independent of the pose's
-    orientation.
-    Orientations are three discs, whose extent is the uncertainty of the tip of an axis; a
-    covariance in a
-    plane is a cone along x, whose opening is the uncertainty of the yaw.
+    orientation. Orientations are three discs, whose extent is the uncertainty of the tip of an
+    axis; a covariance in a plane is a cone along x, whose opening is the uncertainty of the yaw.
     """
     drawables: dict[str, Drawable] = {}
     if not holder["Covariance"] or not poses:

@@ -313,8 +313,7 @@ class RangeDisplay(DrawnDisplay):
         """Return the placement of the unit cone in the fixed frame, shape (4, 4).
 
         A measurement out of range has length 0. A sensor with a fixed distance (min_range equals
-        max_range)
-        reports -Inf for a nearer object.
+        max_range) reports -Inf for a nearer object.
         """
         length = 0.0  # [m]
         if message.min_range <= message.range <= message.max_range:

@@ -1,15 +1,11 @@
 """Statuses of a display, hints where RViz has no status, and exceptions that become statuses.
 
-RViz runs in a process of its own, so its errors never reach the node that publishes. Here a display
-runs
-inside `publish()`, or in the call that requests the scene. Every call from outside into a display
-therefore
-passes through `contained`, which turns exceptions into error statuses. The text of a `CourseError`
-explains
-what is wrong with a message or a file. An exception in a student's display names the student's
-line. Any
-other exception is an error of the kit: it is also reported once per line of code, as a
-`DisplayFaultWarning`.
+RViz runs in a process of its own, so its errors never reach the node that publishes. Here a
+display runs inside `publish()`, or in the call that requests the scene. Every call from outside
+into a display therefore passes through `contained`, which turns exceptions into error statuses.
+The text of a `CourseError` explains what is wrong with a message or a file. An exception in a
+student's display names the student's line. Any other exception is an error of the kit: it is also
+reported once per line of code, as a `DisplayFaultWarning`.
 """
 
 import warnings

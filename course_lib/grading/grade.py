@@ -458,8 +458,7 @@ def judge_mark_report(
         course: The tasks and hidden checks.
         out: The folder of records.
         resume: Reuse the stored result if its digest matches the attempts; otherwise reuse its
-            judgement
-            if the checks are the same.
+            judgement if the checks are the same.
 
     Raises:
         RecordsWriteError: The folder can't be written.

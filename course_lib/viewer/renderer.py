@@ -506,8 +506,7 @@ def _pixels(
     """Draw all objects in RViz's order, like the page.
 
     The order is: objects behind everything, opaque objects by depth, transparent objects from far
-    to near.
-    Lines and points are triangles here, and are handled like surfaces.
+    to near. Lines and points are triangles here, and are handled like surfaces.
     """
     width, height = size[0] * _FINER, size[1] * _FINER
     depths = np.full(width * height, np.inf, np.float32)

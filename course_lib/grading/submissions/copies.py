@@ -1,10 +1,9 @@
 """Find similar code in a class, and write the instructor's page about it.
 
 The amount of compared code is limited, because all pairs of students are compared. In long code,
-the
-statements that bind a task's object come first, with the last binding of each name first, because
-that is the one in effect: statements before it would change nothing. Code that is left out is
-reported, and so is code that unpacks or builds other code at run time.
+the statements that bind a task's object come first, with the last binding of each name first,
+because that is the one in effect: statements before it would change nothing. Code that is left out
+is reported, and so is code that unpacks or builds other code at run time.
 """
 
 import builtins

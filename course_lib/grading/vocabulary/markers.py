@@ -270,9 +270,8 @@ class MarkerScene:
         """The markers that the topic shows, without expiring ones that newer ones replace.
 
         A marker whose lifetime ends within MARGIN gives way to one of its namespace and type that
-        stays, and
-        is not compared with the checks either: otherwise one could show an answer for each personal
-        value.
+        stays, and is not compared with the checks either: otherwise one could show an answer for
+        each personal value.
         """
         there = visible_markers(self._evidence, self.topic, self.at)
         if len(there) <= self.allowed:
