@@ -417,7 +417,15 @@ class Gateway:
         )
         self._handlers = Handlers()
         self._bridge = _bridge(settings, inner, report) if is_over_dds(settings.robot) else None
-        self._node = ZenohEntity(settings.domain, str(self.robot_side.zid()), 0, 0, "NN", "/", "gateway")
+        self._node = ZenohEntity(
+            kind="node",
+            domain=settings.domain,
+            zid=str(self.robot_side.zid()),
+            node_id=0,
+            id=0,
+            namespace="/",
+            node="gateway",
+        )
         self._kept: list[Any] = [
             self._announce_driver(self._node),
             *(
@@ -530,8 +538,14 @@ class Gateway:
         if self._bridge is not None and not self._bridge.is_command(f"/{topic}", ros_type(dds), type_hash):
             return None
         if key not in self._streams and len(self._streams) < MOST_KEYS:
-            head = (self._node.domain, self._node.zid, 0, len(self._streams) + 1)
-            publisher = ZenohEntity(*head, "MP", "/", "gateway", f"/{topic}", ros_type(dds), type_hash)
+            publisher = replace(
+                self._node,
+                kind="publisher",
+                id=len(self._streams) + 1,
+                topic=f"/{topic}",
+                type_name=ros_type(dds),
+                type_hash=type_hash,
+            )
             self._streams[key] = _Stream(publisher, self._announce_driver(publisher))
         return self._streams.get(key)
 

@@ -10,7 +10,7 @@ import re
 from _queue import SimpleQueue
 from collections import deque
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -34,6 +34,7 @@ from course_lib.ros.robot.link import (
     Action,
     Actions,
     Declaration,
+    Entity,
     EntityKind,
     Link,
     NetworkClient,
@@ -70,8 +71,8 @@ NodeEndpoints = dict[tuple[str, str], list[bytes]]
 TYPE_HASH = re.compile(rb"typehash=(RIHS01_[0-9a-f]{64});")
 
 
-@dataclass(frozen=True, slots=True)
-class DdsEntity:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DdsEntity(Entity):
     """A node or an endpoint on the network.
 
     Args:
@@ -79,20 +80,19 @@ class DdsEntity:
         gid: GUID of the endpoint; for a node of the kit a number that only the kit uses.
     """
 
-    kind: EntityKind
     node_key: tuple[bytes, str, str]
-    namespace: str
-    node: str
-    topic: str = ""
-    type_name: str = ""
-    type_hash: str = ""
-    qos: Qos = field(default_factory=Qos)
     gid: bytes = b""
 
     @property
     def key(self) -> tuple[tuple[bytes, str, str], bytes]:
         """The key that identifies the entity."""
         return self.node_key, self.gid
+
+
+def dds_node(participant: bytes, namespace: str, name: str, gid: bytes = b"") -> DdsEntity:
+    """Return a node of a participant, given by its GUID."""
+    key = (participant, namespace, name)
+    return DdsEntity(kind="node", node_key=key, namespace=namespace, node=name, gid=gid)
 
 
 def topic_names(topic: str, type_name: str) -> tuple[str, str]:
@@ -388,14 +388,21 @@ class DdsLink(Link):
     def node(self, name: str, namespace: str) -> DdsEntity:
         """Return a node of the kit that is not announced yet."""
         gid = self.participant.prefix + next(self._node_numbers).to_bytes(4, "big")
-        return DdsEntity("node", (self.participant.guid, namespace, name), namespace, name, gid=gid)
+        return dds_node(self.participant.guid, namespace, name, gid)
 
     def endpoint(
         self, node: DdsEntity, kind: EntityKind, topic: str, type_name: str, qos: Qos, known_hash: str = ""
     ) -> DdsEntity:
         """Return an endpoint of a node of the kit that is not announced yet."""
-        names_of_it = (node.namespace, node.node, topic, type_name, known_hash or type_hash(type_name))
-        return DdsEntity(kind, node.node_key, *names_of_it, qos)
+        return replace(
+            node,
+            kind=kind,
+            gid=b"",
+            topic=topic,
+            type_name=type_name,
+            type_hash=known_hash or type_hash(type_name),
+            qos=qos,
+        )
 
     def announce(self, entity: DdsEntity) -> Declaration:
         """Announce a node, or a subscription that shares a reader."""
@@ -478,7 +485,7 @@ class DdsLink(Link):
                 return
             before = self._nodes.get(participant, {})
             self._nodes[participant] = {
-                name: before.get(name) or DdsEntity("node", (participant, *name), *name) for name in nodes
+                name: before.get(name) or dds_node(participant, *name) for name in nodes
             }
             for name, node in self._nodes[participant].items():
                 if name not in before:
@@ -518,8 +525,14 @@ class DdsLink(Link):
             # DDS transmits the hash of the request, from which the service's own hash cannot be
             # derived.
             remote_hash = type_hash(type_name)
-        entity = DdsEntity(
-            kind, node.node_key, node.namespace, node.node, topic, type_name, remote_hash, endpoint.qos, guid
+        entity = replace(
+            node,
+            kind=kind,
+            gid=guid,
+            topic=topic,
+            type_name=type_name,
+            type_hash=remote_hash,
+            qos=endpoint.qos,
         )
         self._listed[guid] = entity
         self._on_entity(entity, True)

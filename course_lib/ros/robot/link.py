@@ -13,8 +13,8 @@ import re
 from _queue import SimpleQueue
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Iterable
-from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages.definitions import is_known, type_hash
@@ -70,48 +70,42 @@ class Packet:
     received_ns: int
 
 
-class Entity(Protocol):
-    """A node on the network, or an endpoint of a node."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entity(ABC):
+    """A node on the network, or an endpoint of a node. A link adds what identifies it there.
+
+    Args:
+        kind: The kind of entity.
+        namespace: The namespace of the entity's node.
+        node: The name of the entity's node.
+        topic: The fully qualified name of the topic or service; empty for a node.
+        type_name: The type, like `std_msgs/msg/String`; for a service without `_Request`.
+        type_hash: The hash of the type, like `RIHS01_…`.
+        qos: The QoS. Policies that the network does not transmit have their defaults.
+    """
+
+    kind: EntityKind
+    namespace: str
+    node: str
+    topic: str = ""
+    type_name: str = ""
+    type_hash: str = ""
+    qos: Qos = field(default_factory=Qos)
 
     @property
-    def kind(self) -> EntityKind:
-        """The kind of entity."""
-
-    @property
+    @abstractmethod
     def key(self) -> Hashable:
         """The key that identifies the entity among all entities of the network."""
 
     @property
+    @abstractmethod
     def node_key(self) -> Hashable:
         """The key that identifies the entity's node."""
 
     @property
+    @abstractmethod
     def gid(self) -> bytes:
         """The GID of an endpoint; a publisher's is in its packets."""
-
-    @property
-    def namespace(self) -> str:
-        """The namespace of the entity's node."""
-
-    @property
-    def node(self) -> str:
-        """The name of the entity's node."""
-
-    @property
-    def topic(self) -> str:
-        """The fully qualified name of the topic or service; empty for a node."""
-
-    @property
-    def type_name(self) -> str:
-        """The type, like `std_msgs/msg/String`; for a service without `_Request`."""
-
-    @property
-    def type_hash(self) -> str:
-        """The hash of the type, like `RIHS01_…`."""
-
-    @property
-    def qos(self) -> Qos:
-        """The QoS. Policies that the network does not transmit have their defaults."""
 
 
 class Declaration:

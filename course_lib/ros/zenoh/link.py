@@ -13,7 +13,7 @@ import ssl
 import struct
 from _queue import SimpleQueue
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal, cast
 
@@ -27,6 +27,7 @@ from course_lib.ros.messages.definitions import type_hash
 from course_lib.ros.robot.link import (
     Actions,
     Declaration,
+    Entity,
     EntityKind,
     Link,
     NetworkClient,
@@ -251,15 +252,14 @@ def _unreachable_message(address: str, login: Login) -> str:
 ADMIN = "@ros2_lv"  # the first part of every liveliness token
 # The depth that an empty field, or a depth of 0, stands for.
 DEFAULT_DEPTH = 42
-DEFAULT_QOS = Qos()
 INFINITE = (9_223_372_036, 854_775_807)  # RMW_DURATION_INFINITE, [s] and [ns]
 # Number of parts of a token. Rolling appends a 14th part to an endpoint's token.
 NODE_PARTS, ENDPOINT_PARTS = 9, 13
 ATTACHMENT = struct.Struct("<qqB16s")  # sequence number, time [ns since 1970], length of the GID, GID
 GID_BYTES = 16
 
-Code = Literal["NN", "MP", "MS", "SS", "SC"]
-KINDS: Mapping[Code, EntityKind] = {
+# Kinds of entities by their codes in tokens.
+KINDS: Mapping[str, EntityKind] = {
     "NN": "node",
     "MP": "publisher",
     "MS": "subscription",
@@ -275,35 +275,23 @@ _HISTORY = {"keep_last": "1", "keep_all": "2"}
 _LIVELINESS = {"automatic": "1", "manual_by_topic": "3"}
 
 
-@dataclass(frozen=True, slots=True)
-class ZenohEntity:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ZenohEntity(Entity):
     """A node or endpoint, as its liveliness token describes it.
 
     Args:
+        domain: ROS_DOMAIN_ID.
         zid: Zenoh ID of its session, as `str(session.zid())`.
         node_id: ID of its node; a session counts IDs from 0.
-        topic: Fully qualified name of the topic or service.
-        type_name: Type like `std_msgs/msg/String`; for a service without `_Request`.
-        type_hash: Hash like `RIHS01_…`.
+        id: Its own ID.
+        enclave: The enclave of its node.
     """
 
     domain: int
     zid: str
     node_id: int
     id: int
-    code: Code
-    namespace: str
-    node: str
-    topic: str = ""
-    type_name: str = ""
-    type_hash: str = ""
-    qos: Qos = DEFAULT_QOS
     enclave: str = "/"
-
-    @property
-    def kind(self) -> EntityKind:
-        """The kind of entity."""
-        return KINDS[self.code]
 
     @property
     def key(self) -> str:
@@ -318,9 +306,9 @@ class ZenohEntity:
     @property
     def token(self) -> str:
         """The key expression of its liveliness token."""
-        parts = [ADMIN, str(self.domain), self.zid, str(self.node_id), str(self.id), self.code]
+        parts = [ADMIN, str(self.domain), self.zid, str(self.node_id), str(self.id), CODES[self.kind]]
         parts += [_mangle(self.enclave), _mangle(self.namespace), self.node]
-        if self.code != "NN":
+        if self.kind != "node":
             parts += [_mangle(self.topic), dds_type(self.type_name), self.type_hash, encode_qos(self.qos)]
         return "/".join(parts)
 
@@ -348,22 +336,26 @@ def read_token(key: str) -> ZenohEntity | None:
     parts = key.split("/")
     if len(parts) < NODE_PARTS or parts[0] != ADMIN or parts[5] not in KINDS:
         return None
-    code = cast("Code", parts[5])
     try:
-        numbers = int(parts[1]), parts[2], int(parts[3]), int(parts[4])
-        if code == "NN":
-            return ZenohEntity(*numbers, code, _demangle(parts[7]), parts[8], enclave=_demangle(parts[6]))
+        entity = ZenohEntity(
+            kind=KINDS[parts[5]],
+            domain=int(parts[1]),
+            zid=parts[2],
+            node_id=int(parts[3]),
+            id=int(parts[4]),
+            enclave=_demangle(parts[6]),
+            namespace=_demangle(parts[7]),
+            node=parts[8],
+        )
+        if entity.kind == "node":
+            return entity
         topic, type_name, type_hash, qos = parts[9:ENDPOINT_PARTS]
-        return ZenohEntity(
-            *numbers,
-            code,
-            _demangle(parts[7]),
-            parts[8],
-            _demangle(topic),
-            ros_type(type_name),
-            type_hash,
-            decode_qos(qos),
-            _demangle(parts[6]),
+        return replace(
+            entity,
+            topic=_demangle(topic),
+            type_name=ros_type(type_name),
+            type_hash=type_hash,
+            qos=decode_qos(qos),
         )
     except ValueError:
         # A part is missing or not a number.
@@ -629,15 +621,29 @@ class ZenohLink(Link):
     def node(self, name: str, namespace: str) -> ZenohEntity:
         """Return a node of the kit that is not announced yet."""
         number = next(self._ids)
-        return ZenohEntity(self.domain, self._zid, number, number, "NN", namespace, name)
+        return ZenohEntity(
+            kind="node",
+            domain=self.domain,
+            zid=self._zid,
+            node_id=number,
+            id=number,
+            namespace=namespace,
+            node=name,
+        )
 
     def endpoint(
         self, node: ZenohEntity, kind: EntityKind, topic: str, type_name: str, qos: Qos, known_hash: str = ""
     ) -> ZenohEntity:
         """Return an endpoint of a node of the kit that is not announced yet."""
-        ids = (self.domain, self._zid, node.id, next(self._ids))
-        names = (node.namespace, node.node, topic, type_name, known_hash or type_hash(type_name))
-        return ZenohEntity(*ids, CODES[kind], *names, qos)
+        return replace(
+            node,
+            kind=kind,
+            id=next(self._ids),
+            topic=topic,
+            type_name=type_name,
+            type_hash=known_hash or type_hash(type_name),
+            qos=qos,
+        )
 
     def announce(self, entity: ZenohEntity) -> Declaration:
         """Announce a node, or a subscription that shares an inbox."""

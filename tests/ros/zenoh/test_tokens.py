@@ -20,9 +20,14 @@ NODE = f"@ros2_lv/0/{ZID}/0/0/NN/%/%/listener"
 SUBSCRIPTION = (
     f"@ros2_lv/0/{ZID}/0/10/MS/%/%/listener/%chatter/std_msgs::msg::dds_::String_/{STRING_HASH}/::,10:,:,:,,"
 )
-LISTENER = ZenohEntity(0, ZID, 0, 0, "NN", "/", "listener")
+LISTENER = ZenohEntity(kind="node", domain=0, zid=ZID, node_id=0, id=0, namespace="/", node="listener")
 CHATTER = replace(
-    LISTENER, id=10, code="MS", topic="/chatter", type_name="std_msgs/msg/String", type_hash=STRING_HASH
+    LISTENER,
+    kind="subscription",
+    id=10,
+    topic="/chatter",
+    type_name="std_msgs/msg/String",
+    type_hash=STRING_HASH,
 )
 
 
@@ -57,8 +62,14 @@ def test_invalid_token_is_parsed_as_none(key: str) -> None:
 
 def test_key_expressions_of_topics_and_services_agree_with_the_design_page() -> None:
     assert CHATTER.key_expr == f"0/chatter/std_msgs::msg::dds_::String_/{STRING_HASH}"
-    service = ZenohEntity(
-        2, ZID, 0, 11, "SS", "/", "adder", "/a/add_two_ints", "example_interfaces/srv/AddTwoInts", SUM_HASH
+    service = replace(
+        LISTENER,
+        kind="server",
+        domain=2,
+        id=11,
+        topic="/a/add_two_ints",
+        type_name="example_interfaces/srv/AddTwoInts",
+        type_hash=SUM_HASH,
     )
     assert service.key_expr == f"2/a/add_two_ints/example_interfaces::srv::dds_::AddTwoInts_/{SUM_HASH}"
 
