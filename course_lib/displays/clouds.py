@@ -26,7 +26,17 @@ from course_lib.displays.display import (
 )
 from course_lib.displays.frames import NS, nanoseconds
 from course_lib.displays.images import IMAGE, INFO, PACKED, decode_compressed, info_topic, rgb_of, rows_of
-from course_lib.displays.properties import Property, PropertyHolder, color, flag, integer, number, text, words
+from course_lib.displays.properties import (
+    NEVER,
+    Property,
+    PropertyHolder,
+    color,
+    flag,
+    integer,
+    number,
+    text,
+    words,
+)
 from course_lib.displays.shapes import alpha_drawn_twice
 from course_lib.errors import format_count
 from course_lib.ros.graph.topics import Qos
@@ -38,21 +48,29 @@ from course_lib.viewer.drawables import Points, Spot
 _TYPES = {1: "u1", 2: "u1", 3: "u2", 4: "u2", 5: "u4", 6: "u4", 7: "f4", 8: "f8"}
 _XYZ = ("x", "y", "z")
 AXES = ("X", "Y", "Z")
+# Conditions of the properties: the transformer, and for some a check box.
+_BY_INTENSITY = ("Color Transformer", "Intensity")
+_BY_AXIS, _BY_FLAT = ("Color Transformer", "AxisColor"), ("Color Transformer", "FlatColor")
+_FIXED_INTENSITIES = (_BY_INTENSITY, ("Autocompute Intensity Bounds", False))
+_FIXED_VALUES = (_BY_AXIS, ("Autocompute Value Bounds", False))
+_RAINBOW_COLORS = (_BY_INTENSITY, ("Use rainbow", True))
+_TWO_COLORS = (_BY_INTENSITY, ("Use rainbow", False))
 COLOR_PROPERTIES = (
-    Property("Channel Name", "intensity", text),
-    Property("Use rainbow", True, flag),
-    Property("Invert Rainbow", False, flag),
-    Property("Min Color", (0, 0, 0), color),
-    Property("Max Color", (255, 255, 255), color),
-    Property("Autocompute Intensity Bounds", True, flag),
-    Property("Min Intensity", 0.0, number()),
-    Property("Max Intensity", 4096.0, number()),
-    Property("Axis", "Z", words(*AXES)),
-    Property("Autocompute Value Bounds", True, flag),
-    Property("Autocompute Value Bounds/Min Value", -10.0, number()),  # [m]
-    Property("Autocompute Value Bounds/Max Value", 10.0, number()),  # [m]
-    Property("Use Fixed Frame", True, flag),
-    Property("Color", (255, 255, 255), color),
+    Property("Channel Name", "intensity", text, shown_if=(_BY_INTENSITY,)),
+    Property("Use rainbow", True, flag, shown_if=(_BY_INTENSITY,)),
+    Property("Invert Rainbow", False, flag, shown_if=_RAINBOW_COLORS),
+    Property("Min Color", (0, 0, 0), color, shown_if=_TWO_COLORS),
+    Property("Max Color", (255, 255, 255), color, shown_if=_TWO_COLORS),
+    Property("Autocompute Intensity Bounds", True, flag, shown_if=(_BY_INTENSITY,)),
+    Property("Min Intensity", 0.0, number(), shown_if=_FIXED_INTENSITIES),
+    Property("Max Intensity", 4096.0, number(), shown_if=_FIXED_INTENSITIES),
+    Property("Axis", "Z", words(*AXES), shown_if=(_BY_AXIS,)),
+    Property("Autocompute Value Bounds", True, flag, shown_if=(_BY_AXIS,)),
+    # [m]
+    Property("Autocompute Value Bounds/Min Value", -10.0, number(), shown_if=_FIXED_VALUES),
+    Property("Autocompute Value Bounds/Max Value", 10.0, number(), shown_if=_FIXED_VALUES),
+    Property("Use Fixed Frame", True, flag, shown_if=(_BY_AXIS,)),
+    Property("Color", (255, 255, 255), color, shown_if=(_BY_FLAT,)),
 )
 # For each section of the rainbow: the constant part (red, green, blue) of the color.
 _RAINBOW = np.array([(0, 0, 1), (0, 0, 1), (0, 1, 0), (0, 1, 0), (1, 0, 0)], np.float32)
@@ -246,8 +264,9 @@ STYLES: dict[str, Spot] = {
 CLOUD_PROPERTIES = (
     Property("Selectable", True, flag),
     Property("Style", "Flat Squares", words(*STYLES)),
-    Property("Size (m)", 0.01, number(0.0001)),  # [m]
-    Property("Size (Pixels)", 3.0, number(1.0)),  # [px]
+    # [m]
+    Property("Size (m)", 0.01, number(0.0001), shown_if=(("Style", *[s for s in STYLES if s != "Points"]),)),
+    Property("Size (Pixels)", 3.0, number(1.0), shown_if=(("Style", "Points"),)),  # [px]
     Property("Alpha", 1.0, number(0.0, 1.0)),
     Property("Decay Time", 0.0, number(0.0)),  # [s]
     Property("Position Transformer", "", words("", "XYZ")),
@@ -515,7 +534,15 @@ def _scalar_properties(
         "Min Intensity": lowest,
         "Max Intensity": highest,
     }
-    properties = (replace(prop, default=defaults.get(prop.label, prop.default)) for prop in CLOUD_PROPERTIES)
+    hidden = ("Position Transformer", "Color Transformer")
+    properties = (
+        replace(
+            prop,
+            default=defaults.get(prop.label, prop.default),
+            shown_if=NEVER if prop.label in hidden else prop.shown_if,
+        )
+        for prop in CLOUD_PROPERTIES
+    )
     return (*FILTER_PROPERTIES, *properties)
 
 
@@ -722,9 +749,14 @@ class DepthCloudDisplay(CloudDisplay):
         Property("Color Transport Hint", "raw", words("raw", "compressed")),
         Property("Queue Size", 5, integer(1)),
         Property("Auto Size", True, flag),
-        Property("Auto Size/Auto Size Factor", 1.0, number(0.0001)),
+        Property("Auto Size/Auto Size Factor", 1.0, number(0.0001), shown_if=(("Auto Size", True),)),
         Property("Occlusion Compensation", False, flag),
-        Property("Occlusion Compensation/Occlusion Time-Out", 30.0, number()),  # [s]
+        Property(
+            "Occlusion Compensation/Occlusion Time-Out",
+            30.0,  # [s]
+            number(),
+            shown_if=(("Occlusion Compensation", True),),
+        ),
         *CLOUD_PROPERTIES,
     )
 

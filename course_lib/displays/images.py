@@ -263,6 +263,10 @@ class PictureDisplay(TopicDisplay):
         return self._range.add(values, 5)
 
 
+# Encodings whose values RViz scales to black and white.
+_NORMALIZED = ("32FC1", "16UC1", "16SC1", "mono16")
+
+
 class ImageDisplay(PictureDisplay):
     """Images without a camera pose."""
 
@@ -270,10 +274,15 @@ class ImageDisplay(PictureDisplay):
     properties = (
         *PictureDisplay.properties,
         Property("Normalize Range", True, flag),
-        Property("Min Value", 0.0, number()),
-        Property("Max Value", 1.0, number()),
-        Property("Median window", 5, integer(1)),
+        Property("Min Value", 0.0, number(), shown_if=(("Normalize Range", False),)),
+        Property("Max Value", 1.0, number(), shown_if=(("Normalize Range", False),)),
+        Property("Median window", 5, integer(1), shown_if=(("Normalize Range", True),)),
     )
+
+    def is_shown(self, prop: Property) -> bool:
+        """Return whether the panel has a row: RViz normalizes only depths and other large numbers."""
+        is_normalized = getattr(self.message, "encoding", "") in _NORMALIZED
+        return super().is_shown(prop) and (is_normalized or prop in PictureDisplay.properties)
 
     def limits(self, values: AnyArray) -> tuple[float, float]:
         """Return the values of black and white: the properties, truncated as in RViz, or measured values."""
@@ -417,7 +426,7 @@ class CameraInfoDisplay(DrawnDisplay):
         Property("Show edges", True, flag),
         Property("Show polygons", True, flag),
         # RViz draws side polygons only.
-        Property("Not show side polygons", True, flag),
+        Property("Not show side polygons", True, flag, shown_if=(("Show polygons", True),)),
         Property("Color", (85, 255, 255), color),
         Property("Edge color", (125, 125, 125), color),
         Property("Alpha", 0.5, number()),

@@ -47,6 +47,10 @@ class KnownAttributes:
 
 Color: TypeAlias = tuple[int, int, int]  # RGB, 0..255
 Convert: TypeAlias = Callable[[Any], Any]
+# The label of another property, and the values with which a row is displayed.
+Condition: TypeAlias = tuple[Any, ...]
+# A condition without values, for rows that RViz always hides.
+NEVER: tuple[Condition, ...] = (("",),)
 # About the largest float32.
 _LARGEST = 3.4e38
 
@@ -62,12 +66,14 @@ class Property:
             the expected value: `number(...)`, `color`, `flag` and the like.
         names: The names of the rows from the top down to it, if one of them contains a slash, as
             frame names may.
+        shown_if: Conditions without which the panel hides the row, as the property has no effect.
     """
 
     label: str
     default: Any
     convert: Convert
     names: tuple[str, ...] = ()
+    shown_if: tuple[Condition, ...] = ()
 
     @property
     def path(self) -> tuple[str, ...]:
@@ -234,6 +240,10 @@ class PropertyHolder(KnownAttributes):
         labels = {prop.path[-1].replace(" ", "_"): prop.label for prop in self.properties}
         label = labels.get(nearest(name, labels, 0.6), "") or labels.get(name, "")
         return f'{self._expression()}["{label}"]' if label else super()._suggest(name)
+
+    def is_shown(self, prop: Property) -> bool:
+        """Return whether the panel has a row for a property. RViz hides rows without an effect."""
+        return all(values and self[label] in values for label, *values in prop.shown_if)
 
     def get(self, label: str, default: Any) -> Any:
         """Return a property by its full label, or a default if there is none."""

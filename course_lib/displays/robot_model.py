@@ -13,7 +13,7 @@ import numpy.typing as npt
 from course_lib.arrays import Floats, Matrix
 from course_lib.displays.display import TopicDisplay, node_name, topic_properties
 from course_lib.displays.frames import NS
-from course_lib.displays.properties import Property, flag, number, text, words
+from course_lib.displays.properties import NEVER, Property, flag, number, text, words
 from course_lib.displays.shapes import axes
 from course_lib.errors import CourseError
 from course_lib.robots.kinematics import link_poses
@@ -245,7 +245,7 @@ _STYLES = (
     "Tree of links and joints",
     "",
 )
-_ALL = "Links/All Links Enabled"
+_ALL, _STYLE = "Links/All Links Enabled", "Links/Link Tree Style"
 _TOPIC = "Description Topic"
 _SWITCHES = {
     "visual": "Visual Enabled",
@@ -269,14 +269,18 @@ class RobotModelDisplay(TopicDisplay):
         *topic_properties(label=_TOPIC),
         Property("Alpha", 1.0, number(0.0, 1.0)),
         Property("Collision Enabled", False, flag),
-        Property("Description File", "", text),
+        Property("Description File", "", text, shown_if=(("Description Source", "File"),)),
         Property("Description Source", "Topic", words("Topic", "File")),
         Property(_ALL, True, flag),
         *(
-            Property(f"Links/Expand {what}", False, flag)
-            for what in ("Joint Details", "Link Details", "Tree")
+            Property(f"Links/Expand {what}", False, flag, shown_if=((_STYLE, *styles),))
+            for what, styles in (
+                ("Joint Details", (_STYLES[1], _STYLES[3])),
+                ("Link Details", (_STYLES[0], _STYLES[2], _STYLES[3])),
+                ("Tree", _STYLES[2:]),
+            )
         ),
-        Property("Links/Link Tree Style", _STYLES[0], words(*_STYLES)),
+        Property(_STYLE, _STYLES[0], words(*_STYLES)),
         Property("Mass Properties/Inertia", False, flag),
         Property("Mass Properties/Mass", False, flag),
         Property("TF Prefix", "", text),
@@ -292,6 +296,11 @@ class RobotModelDisplay(TopicDisplay):
         self._updated_ns: int | None = None
         # Whether anybody sees the robot, and the properties with which the links are shown.
         self._shown_state: tuple[bool, dict[str, Any]] | None = None
+
+    def is_shown(self, prop: Property) -> bool:
+        """Return whether the panel has a row: RViz hides an unused topic, and the links of no robot."""
+        is_used = {_TOPIC: self["Description Source"] == "Topic", "Links": bool(self._links)}
+        return is_used.get(prop.path[0], True) and super().is_shown(prop)
 
     def qos(self) -> Qos:
         """Return the requested quality of service: transient local, until a policy is changed."""
@@ -416,7 +425,8 @@ class RobotModelDisplay(TopicDisplay):
             # A link without geometry has no check box.
             if link.has_geometry:
                 rows.append(Property(row, True, flag, names))
-            rows.append(Property(f"{row}/Alpha", 1.0, number(0.0, 1.0), (*names, "Alpha")))
+            shown_if = () if link.has_geometry else NEVER
+            rows.append(Property(f"{row}/Alpha", 1.0, number(0.0, 1.0), (*names, "Alpha"), shown_if))
             rows += [Property(f"{row}/{it}", False, flag, (*names, it)) for it in _OF_LINKS.values()]
         wrong = self.grow(*rows)
         self.statuses.hint("Links", *wrong)

@@ -88,17 +88,19 @@ def shape_properties(
         below: Prefix of all labels except Shape.
     """
     shaft_length, shaft_diameter, head_length, head_diameter = arrow
+    arrows = tuple(shape for shape in shapes if shape != "Axes")
+    as_arrow, as_solid, as_axes = ((("Shape", *which),) for which in (arrows, arrows[-1:], ("Axes",)))
     # RViz calls the diameters Radius.
     return (
         Property("Shape", shapes[0], words(*shapes)),
-        Property(f"{below}Color", (255, 25, 0), color),
-        Property(f"{below}Alpha", 1.0, number(0.0, 1.0)),
-        Property(f"{below}Shaft Length", shaft_length, number()),
-        Property(f"{below}Shaft Radius", shaft_diameter, number()),
-        Property(f"{below}Head Length", head_length, number()),
-        Property(f"{below}Head Radius", head_diameter, number()),
-        Property(f"{below}Axes Length", axis[0], number()),
-        Property(f"{below}Axes Radius", axis[1], number()),
+        Property(f"{below}Color", (255, 25, 0), color, shown_if=as_arrow),
+        Property(f"{below}Alpha", 1.0, number(0.0, 1.0), shown_if=as_arrow),
+        Property(f"{below}Shaft Length", shaft_length, number(), shown_if=as_solid),
+        Property(f"{below}Shaft Radius", shaft_diameter, number(), shown_if=as_solid),
+        Property(f"{below}Head Length", head_length, number(), shown_if=as_solid),
+        Property(f"{below}Head Radius", head_diameter, number(), shown_if=as_solid),
+        Property(f"{below}Axes Length", axis[0], number(), shown_if=as_axes),
+        Property(f"{below}Axes Radius", axis[1], number(), shown_if=as_axes),
     )
 
 
@@ -193,7 +195,12 @@ COVARIANCE_PROPERTIES = (
     # The axes of the pose, or of its reference frame.
     Property(f"{_ORIENTATION}/Frame", "Local", words("Local", "Fixed")),
     Property(f"{_ORIENTATION}/Color Style", "Unique", words("Unique", "RGB")),
-    Property(f"{_ORIENTATION}/Color", (255, 255, 127), color),
+    Property(
+        f"{_ORIENTATION}/Color",
+        (255, 255, 127),
+        color,
+        shown_if=((f"{_ORIENTATION}/Color Style", "Unique"),),
+    ),
     Property(f"{_ORIENTATION}/Alpha", 0.5, number(0.0, 1.0)),
     # Distance of the discs, or of the cone's base, from the pose, [m].
     Property(f"{_ORIENTATION}/Offset", 1.0, number(0.0)),

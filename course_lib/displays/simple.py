@@ -58,6 +58,8 @@ _FLAT = "Arrow (Flat)"
 _STROKES = np.array([(0, 0, 0), (1, 0, 0), (1, 0, 0), (0.75, 0.2, 0), (1, 0, 0), (0.75, -0.2, 0)])
 _NOT_UNIT = "Message contained unnormalized quaternion (squares of values don't add to 1)"
 _ARROW = ("Shaft Length", "Shaft Diameter", "Head Length", "Head Diameter")
+# Conditions of a path's properties.
+_AXES, _ARROWS = (("Pose Style", "Axes"),), (("Pose Style", "Arrows"),)
 
 
 class PoseDisplay(DrawnDisplay):
@@ -114,7 +116,7 @@ class PoseArrayDisplay(DrawnDisplay):
     properties = (
         *DrawnDisplay.properties,
         *shape_properties((0.23, 0.01, 0.07, 0.03), (0.3, 0.01), (_FLAT, "Arrow (3D)", "Axes")),
-        Property("Arrow Length", 0.3, number()),  # [m]
+        Property("Arrow Length", 0.3, number(), shown_if=(("Shape", _FLAT),)),  # [m]
     )
 
     def numbers(self, message: Any) -> Matrix:
@@ -193,19 +195,22 @@ class PathDisplay(DrawnDisplay):
         *DrawnDisplay.properties,
         Property("Line Style", "Lines", words("Lines", "Billboards")),
         # Width of Billboards [m]; Lines are one pixel wide.
-        Property("Line Width", 0.03, number(0.001)),
+        Property("Line Width", 0.03, number(0.001), shown_if=(("Line Style", "Billboards"),)),
         Property("Color", (25, 255, 0), color),
         Property("Alpha", 1.0, number()),
         Property("Buffer Length", 1, integer(1)),
         Property("Offset", (0.0, 0.0, 0.0), vector),  # [m], in the fixed frame
         Property("Pose Style", "None", words("None", "Axes", "Arrows")),
         # Length of the axes [m].
-        Property("Length", 0.3, number()),
+        Property("Length", 0.3, number(), shown_if=_AXES),
         # RViz's name for the diameter of the axes [m].
-        Property("Radius", 0.03, number()),
+        Property("Radius", 0.03, number(), shown_if=_AXES),
         # The color of the arrows.
-        Property("Pose Color", (255, 85, 255), color),
-        *(Property(label, size, number()) for label, size in zip(_ARROW, (0.1, 0.1, 0.2, 0.3), strict=True)),
+        Property("Pose Color", (255, 85, 255), color, shown_if=_ARROWS),
+        *(
+            Property(label, size, number(), shown_if=_ARROWS)
+            for label, size in zip(_ARROW, (0.1, 0.1, 0.2, 0.3), strict=True)
+        ),
     )
 
     def process(self, message: Any) -> None:

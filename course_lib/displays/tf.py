@@ -122,7 +122,8 @@ class GridDisplay(ReferenceDisplay):
         Property("Normal Cell Count", 0, integer(0)),
         Property("Cell Size", 1.0, number(0.0001)),  # [m]
         Property("Line Style", "Lines", words("Lines", "Billboards")),
-        Property("Line Style/Line Width", 0.03, number(0.001)),  # [m]
+        # [m]
+        Property("Line Style/Line Width", 0.03, number(0.001), shown_if=(("Line Style", "Billboards"),)),
         Property("Color", (160, 160, 164), color),
         Property("Alpha", 0.5, number(0.0, 1.0)),
         Property("Plane", "XY", words(*_PLANES)),

@@ -10,7 +10,16 @@ from msgspec.structs import replace
 from course_lib.arrays import Floats, Matrix
 from course_lib.displays.frames import FIXED_FRAME, Frames
 from course_lib.displays.layout import text_at
-from course_lib.displays.properties import Property, PropertyHolder, flag, frame, number, vector, words
+from course_lib.displays.properties import (
+    NEVER,
+    Property,
+    PropertyHolder,
+    flag,
+    frame,
+    number,
+    vector,
+    words,
+)
 from course_lib.errors import did_you_mean
 from course_lib.viewer.drawables import Camera
 from course_lib.viewer.encoding import Message
@@ -24,6 +33,8 @@ COMMON = (
     Property("Near Clip Distance", 0.01, number(0.001)),  # [m]
     Property("Invert Z Axis", False, flag),
 )
+# The properties of views that RViz does not turn upside down.
+_UPRIGHT = (*COMMON[:-1], Property("Invert Z Axis", False, flag, shown_if=NEVER))
 
 
 class DragRules(Message, frozen=True):
@@ -266,7 +277,7 @@ class TopDownOrtho(ViewController):
 
     class_name = "rviz_default_plugins/TopDownOrtho"
     properties = (
-        *COMMON,
+        *_UPRIGHT,
         Property("Scale", 10.0, number(1e-6)),  # [px / m]
         Property("Angle", 0.0, number()),  # [rad]
         Property("X", 0.0, number()),  # [m]
@@ -311,7 +322,7 @@ class FPS(ViewController):
 
     class_name = "rviz_default_plugins/FPS"
     properties: tuple[Property, ...] = (
-        *COMMON,
+        *_UPRIGHT,
         Property("Yaw", 1.25 * pi, number()),
         Property("Pitch", atan2(10.0, 50.0**0.5), number(-PITCH_LIMIT, PITCH_LIMIT)),  # [rad] downward
         Property("Position", (5.0, 5.0, 10.0), vector),  # [m]
@@ -348,7 +359,7 @@ class FrameAligned(FPS):
 
     class_name = "rviz_default_plugins/FrameAligned"
     properties = (
-        *COMMON,
+        *_UPRIGHT,
         Property("Point towards", "-z axis", words("arbitrary", *_AXES)),
         Property("Yaw", 0.0, number()),
         Property("Pitch", PITCH_LIMIT, number(-PITCH_LIMIT, PITCH_LIMIT)),  # [rad] downward

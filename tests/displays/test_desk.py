@@ -134,6 +134,46 @@ def test_marker_namespace_has_a_check_box(page: Page, viewer: Viewer) -> None:
     assert not [path for path in viewer.scene.objects() if path.startswith("displays/Marker")]
 
 
+HIDDEN_ROWS: tuple[tuple[str, dict[str, Any], set[str], set[str]], ...] = (
+    ("Pose", {}, {"Shaft Length"}, {"Axes Length"}),
+    ("Pose", {"Shape": "Axes"}, {"Axes Length"}, {"Color", "Alpha", "Shaft Length"}),
+    ("PoseArray", {}, {"Arrow Length", "Color"}, {"Shaft Length", "Axes Radius"}),
+    ("Path", {}, {"Color"}, {"Line Width", "Length", "Pose Color"}),
+    ("Path", {"Pose Style": "Arrows"}, {"Pose Color", "Head Diameter"}, {"Length"}),
+    ("Grid", {"Line Style": "Billboards"}, {"Line Width"}, set()),
+    ("PointCloud2", {}, {"Size (m)"}, {"Size (Pixels)", "Channel Name", "Axis", "Color"}),
+    ("PointCloud2", {"Style": "Points"}, {"Size (Pixels)"}, {"Size (m)"}),
+    (
+        "PointCloud2", {"Color Transformer": "Intensity"},
+        {"Invert Rainbow"}, {"Min Color", "Min Intensity", "Autocompute Value Bounds", "Min Value"},
+    ),
+    (
+        "LaserScan", {"Color Transformer": "AxisColor", "Autocompute Value Bounds": False},
+        {"Axis", "Min Value"}, {"Channel Name", "Min Intensity"},
+    ),
+    ("Temperature", {"Color Transformer": "Intensity"}, {"Min Intensity"}, {"Color Transformer"}),
+    ("DepthCloud", {"Auto Size": False}, {"Auto Size"}, {"Auto Size Factor", "Occlusion Time-Out"}),
+    ("Image", {}, {"Topic"}, {"Normalize Range", "Min Value", "Median window"}),
+    ("Odometry", {"Covariance/Orientation/Color Style": "RGB"}, {"Color Style", "Frame"}, {"Axes Length"}),
+    ("RobotModel", {}, {"Description Topic", "Depth"}, {"Description File", "Links"}),
+    ("RobotModel", {"Description Source": "File"}, {"Description File"}, {"Description Topic", "Depth"}),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "values", "shown", "hidden"), HIDDEN_ROWS)
+def test_panel_hides_rows_without_an_effect_as_rviz_does(
+    name: str, values: dict[str, Any], shown: set[str], hidden: set[str], page: Page, viewer: Viewer
+) -> None:
+    display = viewer.add(name)
+    for label, value in values.items():
+        display[label] = value
+    page.ask(act="OpenPanels")
+    (*_, above) = [row["key"] for row in page.rows() if row["label"] == name]
+    labels = {row["label"] for row in page.rows() if row["key"].startswith(f"{above}#")}
+    assert shown <= labels
+    assert not hidden & labels
+
+
 def test_invalid_value_is_reported_and_changes_nothing(page: Page, viewer: Viewer) -> None:
     page.ask(act="SetValue", row="displays/Grid#Cell Size", value=None)
     assert page.told["notice"]["level"] == "error"

@@ -95,6 +95,8 @@ NEEDS: Mapping[tuple[str, ...], Mapping[str, Any]] = {
         "Autocompute Intensity Bounds": False,
     },
 }
+# Properties with an effect whose rows RViz hides.
+HIDDEN = {f"{name}: {label}" for name in MEASURED for label in ("Position Transformer", "Color Transformer")}
 VALUES: Mapping[str, Any] = {
     "Topic": "/other", "Update Topic": "/other", "Description Topic": "/other",
     "Description File": "/nowhere.urdf", "TF Prefix": "robot", "Channel Name": "x", "Median window": 1,
@@ -105,7 +107,9 @@ VALUES: Mapping[str, Any] = {
 
 
 def look(class_name: str, early: tuple[tuple[str, Any], ...], late: str = "", value: Any = None) -> Any:
-    """Display two messages, one second apart. Return the resulting scene and subscriptions.
+    """Display two messages, one second apart.
+
+    Return the resulting scene and subscriptions, and the labels of the rows of the panel.
 
     Args:
         class_name: Of the display.
@@ -140,7 +144,8 @@ def look(class_name: str, early: tuple[tuple[str, Any], ...], late: str = "", va
     shown = {path: scene.is_visible(path) for path in seen}
     asked = [(subscription.topic, subscription.qos) for subscription in display.subscriptions]
     texts = [row for row in display.rows() if row.name in ("URDF", "Topic")]
-    return seen, places, shown, asked, texts
+    rows = frozenset(prop.label for prop in display.properties if display.is_shown(prop))
+    return (seen, places, shown, asked, texts), rows
 
 
 @cache
@@ -182,10 +187,11 @@ def test_each_property_changes_the_drawing(name: str) -> None:
         if name in of or (prop.label in of and needed.keys() <= labels)
     ]
     early = needs[-1] if needs else ()
-    before = usual(class_name, early)
-    changed = any(look(class_name, early, prop.label, value) != before for value in others(prop))
+    before, rows = usual(class_name, early)
+    changed = any(look(class_name, early, prop.label, value)[0] != before for value in others(prop))
     assert changed, (
         f"{name} changes nothing visible: does the display read self[{prop.label!r}]? A property "
         "that needs another one has a row in NEEDS above, one that is never visible in SILENT, "
         "with the reason"
     )
+    assert prop.label in rows or name in HIDDEN

@@ -80,9 +80,9 @@ class Rows(dict[str, RowEntry]):
         self[key] = RowEntry(protocol.PanelRow(key, parent, label, **shown), edit, member)
 
     def put_properties(self, holder: PropertyHolder, parent: str) -> None:
-        """Add the editable properties of an object, without its check box."""
+        """Add the properties of an object that RViz displays, without its check box."""
         for prop in holder.properties:
-            if prop.label == "Enabled":
+            if prop.label == "Enabled" or not holder.is_shown(prop):
                 continue
             above = parent
             for name in prop.path[:-1]:
