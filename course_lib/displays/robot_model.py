@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from course_lib.arrays import Floats, Matrix
-from course_lib.displays.display import TopicDisplay, node_name, topic_properties
+from course_lib.displays.display import Display, TopicDisplay, node_name, qos_properties
 from course_lib.displays.frames import NS
 from course_lib.displays.properties import NEVER, Property, flag, number, text, words
 from course_lib.displays.shapes import axes
@@ -266,26 +266,27 @@ class RobotModelDisplay(TopicDisplay):
     type_name = "std_msgs/msg/String"
     topic_label = _TOPIC
     properties = (
-        *topic_properties(label=_TOPIC),
-        Property("Alpha", 1.0, number(0.0, 1.0)),
+        *Display.properties,
+        Property("Visual Enabled", True, flag),
         Property("Collision Enabled", False, flag),
-        Property("Description File", "", text, shown_if=(("Description Source", "File"),)),
+        Property("Mass Properties/Mass", False, flag),
+        Property("Mass Properties/Inertia", False, flag),
+        Property("Update Interval", 0.0, number(0.0)),  # [s]
+        Property("Alpha", 1.0, number(0.0, 1.0)),
         Property("Description Source", "Topic", words("Topic", "File")),
-        Property(_ALL, True, flag),
+        Property("Description File", "", text, shown_if=(("Description Source", "File"),)),
+        *qos_properties(label=_TOPIC),
+        Property("TF Prefix", "", text),
+        Property(_STYLE, _STYLES[0], words(*_STYLES)),
         *(
             Property(f"Links/Expand {what}", False, flag, shown_if=((_STYLE, *styles),))
             for what, styles in (
-                ("Joint Details", (_STYLES[1], _STYLES[3])),
-                ("Link Details", (_STYLES[0], _STYLES[2], _STYLES[3])),
                 ("Tree", _STYLES[2:]),
+                ("Link Details", (_STYLES[0], _STYLES[2], _STYLES[3])),
+                ("Joint Details", (_STYLES[1], _STYLES[3])),
             )
         ),
-        Property(_STYLE, _STYLES[0], words(*_STYLES)),
-        Property("Mass Properties/Inertia", False, flag),
-        Property("Mass Properties/Mass", False, flag),
-        Property("TF Prefix", "", text),
-        Property("Update Interval", 0.0, number(0.0)),  # [s]
-        Property("Visual Enabled", True, flag),
+        Property(_ALL, True, flag),
     )
 
     def __init__(self, *args: Any) -> None:

@@ -73,34 +73,21 @@ def rgba_of(
     return (*(channel / 255 for channel in holder[color_label]), holder[alpha_label])
 
 
-def shape_properties(
-    arrow: tuple[float, float, float, float] = ARROW,
-    axis: tuple[float, float] = (1.0, 0.1),
-    shapes: tuple[str, ...] = ("Arrow", "Axes"),
-    below: str = "",
-) -> tuple[Property, ...]:
-    """Return RViz's properties of a pose's shape.
-
-    Args:
-        arrow: Default length and diameter of the shaft, and of the head, [m].
-        axis: Default length and diameter of the axes, [m].
-        shapes: The available shapes.
-        below: Prefix of all labels except Shape.
-    """
-    shaft_length, shaft_diameter, head_length, head_diameter = arrow
-    arrows = tuple(shape for shape in shapes if shape != "Axes")
-    as_arrow, as_solid, as_axes = ((("Shape", *which),) for which in (arrows, arrows[-1:], ("Axes",)))
+def shape_properties(below: str = "") -> tuple[Property, ...]:
+    """Return RViz's properties of a pose's shape, with a prefix for all labels except Shape."""
+    shaft_length, shaft_diameter, head_length, head_diameter = ARROW
+    as_arrow, as_axes = (("Shape", "Arrow"),), (("Shape", "Axes"),)
     # RViz calls the diameters Radius.
     return (
-        Property("Shape", shapes[0], words(*shapes)),
+        Property("Shape", "Arrow", words("Arrow", "Axes")),
         Property(f"{below}Color", (255, 25, 0), color, shown_if=as_arrow),
         Property(f"{below}Alpha", 1.0, number(0.0, 1.0), shown_if=as_arrow),
-        Property(f"{below}Shaft Length", shaft_length, number(), shown_if=as_solid),
-        Property(f"{below}Shaft Radius", shaft_diameter, number(), shown_if=as_solid),
-        Property(f"{below}Head Length", head_length, number(), shown_if=as_solid),
-        Property(f"{below}Head Radius", head_diameter, number(), shown_if=as_solid),
-        Property(f"{below}Axes Length", axis[0], number(), shown_if=as_axes),
-        Property(f"{below}Axes Radius", axis[1], number(), shown_if=as_axes),
+        Property(f"{below}Shaft Length", shaft_length, number(), shown_if=as_arrow),
+        Property(f"{below}Shaft Radius", shaft_diameter, number(), shown_if=as_arrow),
+        Property(f"{below}Head Length", head_length, number(), shown_if=as_arrow),
+        Property(f"{below}Head Radius", head_diameter, number(), shown_if=as_arrow),
+        Property(f"{below}Axes Length", 1.0, number(), shown_if=as_axes),
+        Property(f"{below}Axes Radius", 0.1, number(), shown_if=as_axes),
     )
 
 

@@ -52,12 +52,14 @@ from course_lib.robots.urdf import Joint, parse_urdf
 from course_lib.ros.graph.topics import Qos
 from course_lib.viewer.drawables import Drawable, Lines, Points, Solids
 
-_FLAT = "Arrow (Flat)"
+_FLAT, _SOLID = "Arrow (Flat)", "Arrow (3D)"
 # A flat arrow of length 1 as three lines: the shaft and both sides of the head
 # (flat_arrows_array.cpp).
 _STROKES = np.array([(0, 0, 0), (1, 0, 0), (1, 0, 0), (0.75, 0.2, 0), (1, 0, 0), (0.75, -0.2, 0)])
 _NOT_UNIT = "Message contained unnormalized quaternion (squares of values don't add to 1)"
 _ARROW = ("Shaft Length", "Shaft Diameter", "Head Length", "Head Diameter")
+# The same in the order of the panel.
+_ARROW_ROWS = ("Shaft Length", "Head Length", "Shaft Diameter", "Head Diameter")
 # Conditions of a path's properties.
 _AXES, _ARROWS = (("Pose Style", "Axes"),), (("Pose Style", "Arrows"),)
 
@@ -115,8 +117,17 @@ class PoseArrayDisplay(DrawnDisplay):
     in_frame = True
     properties = (
         *DrawnDisplay.properties,
-        *shape_properties((0.23, 0.01, 0.07, 0.03), (0.3, 0.01), (_FLAT, "Arrow (3D)", "Axes")),
+        Property("Shape", _FLAT, words(_FLAT, _SOLID, "Axes")),
+        Property("Color", (255, 25, 0), color, shown_if=(("Shape", _FLAT, _SOLID),)),
+        Property("Alpha", 1.0, number(0.0, 1.0), shown_if=(("Shape", _FLAT, _SOLID),)),
         Property("Arrow Length", 0.3, number(), shown_if=(("Shape", _FLAT),)),  # [m]
+        # RViz's names for the diameters [m].
+        Property("Head Radius", 0.03, number(), shown_if=(("Shape", _SOLID),)),
+        Property("Head Length", 0.07, number(), shown_if=(("Shape", _SOLID),)),
+        Property("Shaft Radius", 0.01, number(), shown_if=(("Shape", _SOLID),)),
+        Property("Shaft Length", 0.23, number(), shown_if=(("Shape", _SOLID),)),
+        Property("Axes Length", 0.3, number(), shown_if=(("Shape", "Axes"),)),
+        Property("Axes Radius", 0.01, number(), shown_if=(("Shape", "Axes"),)),
     )
 
     def numbers(self, message: Any) -> Matrix:
@@ -209,7 +220,7 @@ class PathDisplay(DrawnDisplay):
         Property("Pose Color", (255, 85, 255), color, shown_if=_ARROWS),
         *(
             Property(label, size, number(), shown_if=_ARROWS)
-            for label, size in zip(_ARROW, (0.1, 0.1, 0.2, 0.3), strict=True)
+            for label, size in zip(_ARROW_ROWS, (0.1, 0.2, 0.1, 0.3), strict=True)
         ),
     )
 
@@ -346,7 +357,6 @@ _NAN_STATUS = "Message might contain floating point values (nans or infs)"
 
 def _screw_properties(linear: str, angular: str) -> tuple[Property, ...]:
     return (
-        *DrawnDisplay.properties,
         Property(f"{linear} Color", (204, 51, 51), color),
         Property(f"{angular} Color", (204, 204, 51), color),
         Property("Alpha", 1.0, number()),
@@ -365,7 +375,11 @@ class ScrewDisplay(DrawnDisplay):
     path_to_vectors: ClassVar[tuple[str, str, str]]
     labels: ClassVar[tuple[str, str]] = ("Linear", "Angular")
     length_label = "History Length"
-    properties = (*_screw_properties(*labels), Property("Hide Small Values", True, flag))
+    properties = (
+        *DrawnDisplay.properties,
+        *_screw_properties(*labels),
+        Property("Hide Small Values", True, flag),
+    )
 
     def process(self, message: Any) -> None:
         """Keep the vectors, shape (2, 3), with the transform of their frame.
@@ -422,7 +436,11 @@ class WrenchDisplay(ScrewDisplay):
     type_name = "geometry_msgs/msg/WrenchStamped"
     path_to_vectors = ("wrench", "force", "torque")
     labels = ("Force", "Torque")
-    properties = (*_screw_properties(*labels), Property("Accept NaN Values", False, flag))
+    properties = (
+        *DrawnDisplay.properties,
+        Property("Accept NaN Values", False, flag),
+        *_screw_properties(*labels),
+    )
 
 
 class TwistStampedDisplay(ScrewDisplay):
