@@ -414,8 +414,8 @@ class SceneMarker:
         if self._is_locked and frame != fixed and frames.transform(frame) is not None:
             stamp_ns = frames.buffer.lookup(fixed, frame).stamp_ns
             feedback.header.stamp.sec, feedback.header.stamp.nanosec = divmod(stamp_ns, NS)
-        network_topic = np.eye(4) if self._is_locked else self._reference
-        matrix = network_topic @ self._pose
+        reference = np.eye(4) if self._is_locked else self._reference
+        matrix = reference @ self._pose
         _write_point(feedback.pose.position, matrix[:3, 3])
         q = quaternion_of(matrix)
         orientation = feedback.pose.orientation

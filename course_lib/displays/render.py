@@ -22,7 +22,7 @@ from course_lib.ros.robot.connect import RobotAddress, link_to
 from course_lib.ros.time import virtual_time, wall
 from course_lib.ros.time.time_lock import time_lock
 from course_lib.viewer.html import save_html
-from course_lib.viewer.picture import screenshot
+from course_lib.viewer.renderer import screenshot
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.scene_recording import SceneRecording
 

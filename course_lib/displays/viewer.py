@@ -22,7 +22,7 @@ from course_lib.ros.graph.graph import ProgramNodes, current_graph
 from course_lib.viewer.drawables import Camera
 from course_lib.viewer.html import save_html
 from course_lib.viewer.page_link import Click
-from course_lib.viewer.picture import Picture, screenshot
+from course_lib.viewer.renderer import Picture, screenshot
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.scene_recording import SceneRecording
 

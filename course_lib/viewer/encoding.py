@@ -2,22 +2,37 @@
 
 Scenes are msgpack, with arrays in the extension types of meshcat's own decoder. Other messages are
 JSON; in Python they are subclasses of `Message`, which msgspec encodes, decodes and checks.
+
+Text is sent as an image, drawn with a font of the kit, because machines have no font in common.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from importlib.util import find_spec
 from math import isfinite
+from pathlib import Path
 from typing import Any
 
 import msgpack
 import msgspec
 import numpy as np
+from PIL import Image, ImageDraw, ImageFont
 
-from course_lib.arrays import Float32s
+from course_lib.arrays import Bytes, Float32s
 from course_lib.errors import CourseError
 from course_lib.viewer.drawables import Drawable, Inset, MeshcatObject, Sheet, Solids, Text
-from course_lib.viewer.renderer import rasterize
 from course_lib.viewer.scene import ChangeKind, Node, Scene
 
+# Height of a capital letter of the font in use [px].
+_CAPITAL = 46
+# Margin around the letters, for descenders and accents [px].
+_MARGIN = 16
+_LINE = 74  # [px] line spacing
+# Texture size that every graphics card supports [px].
+_LARGEST = 4096
+# The maximum number of letters.
+_LONGEST = 5000
 # meshcat's msgpack extension types.
 _UINT8, _UINT32, _FLOAT32 = 0x12, 0x16, 0x17
 
@@ -126,6 +141,58 @@ def _fields_of(thing: Drawable) -> dict[str, Any]:
         fields.update(rows=thing.pixels.shape[0], columns=thing.pixels.shape[1])
         fields["camera"] = thing.camera and vars(thing.camera)
     return {"kind": type(thing).__name__.lower(), **fields}
+
+
+@dataclass(frozen=True)
+class Glyphs:
+    """Rendered text, white on black."""
+
+    # Coverage of each pixel, 0..255, shape (rows, columns).
+    mask: Bytes
+    # Pixels in the height of a capital letter.
+    pixels_per_height: float
+
+
+@lru_cache(maxsize=512)
+def rasterize(text: str) -> Glyphs:
+    """Draw text with centered lines. Very long text is drawn smaller, or truncated."""
+    lines = text[:_LONGEST].split("\n")
+    font = _font_for(text[:_LONGEST])
+    columns = max(font.getlength(line) for line in lines) + 2 * _MARGIN
+    rows = _CAPITAL + _LINE * (len(lines) - 1) + 2 * _MARGIN
+    scale = min(1.0, _LARGEST / max(columns, rows))
+    if scale < 1:
+        font = font.font_variant(size=font.size * scale)
+    image = Image.new("L", (round(columns * scale), round(rows * scale)))
+    draw = ImageDraw.Draw(image)
+    for row, line in enumerate(lines):
+        baseline = (_MARGIN + _CAPITAL + _LINE * row) * scale
+        draw.text((columns * scale / 2, baseline), line, fill=255, font=font, anchor="ms")
+    return Glyphs(np.asarray(image), _CAPITAL * scale)
+
+
+def _font_for(text: str) -> ImageFont.FreeTypeFont:
+    """Return RViz's own font or, for characters it lacks, the font with the widest coverage."""
+    fonts = _fonts()
+    for font in fonts:
+        missing = bytes(font.getmask("\uffff"))
+        if not any(bytes(font.getmask(sign)) == missing for sign in set(text) if sign.isprintable()):
+            return font
+    return fonts[-1]
+
+
+@cache
+def _fonts() -> tuple[ImageFont.FreeTypeFont, ...]:
+    paths = [Path(__file__).parent / "fonts" / "CourseSans-Regular.ttf"]
+    matplotlib = find_spec("matplotlib")
+    if matplotlib is not None and matplotlib.origin is not None:
+        paths.append(Path(matplotlib.origin).parent / "mpl-data" / "fonts" / "ttf" / "DejaVuSans.ttf")
+    fonts = []
+    for path in (path for path in paths if path.exists()):
+        # The size at which the font's capital letters have the right height.
+        _, top, _, bottom = ImageFont.truetype(path, 1000).getbbox("H", anchor="ls")
+        fonts.append(ImageFont.truetype(path, 1000 * _CAPITAL / (bottom - top)))
+    return tuple(fonts)
 
 
 # The fields of every message of a page, which `PageLink` reads.

@@ -1,87 +1,34 @@
-"""Images of a scene rendered with numpy alone, if no browser is available.
+"""Images of a scene, rendered by Chromium or Chrome if available, else by numpy alone.
 
-All drawables are converted to triangles in the camera's frame, colored by RViz's light. A depth
-buffer with four samples per pixel keeps the nearest ones, and transparent samples are blended back
-to front. Text is drawn with a font of the kit, because machines have no font in common.
+For numpy, all drawables are converted to triangles in the camera's frame, colored by RViz's light. A
+depth buffer with four samples per pixel keeps the nearest ones, and transparent samples are blended
+back to front.
 """
 
+import base64
+import contextlib
+import os
+import re
+import shutil
+import signal
+import struct
+import subprocess
+import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cache, lru_cache
-from importlib.util import find_spec
+from functools import cache
 from io import BytesIO
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image
 
 from course_lib.arrays import Bools, Bytes, Float32s, Floats, Indices, Matrix, Pixels
-from course_lib.viewer import drawables
+from course_lib.errors import CourseError
+from course_lib.files import write_atomically
+from course_lib.viewer import drawables, encoding, html
 from course_lib.viewer.scene import Scene
-
-# Height of a capital letter of the font in use [px].
-_CAPITAL = 46
-# Margin around the letters, for descenders and accents [px].
-_MARGIN = 16
-_LINE = 74  # [px] line spacing
-# Texture size that every graphics card supports [px].
-_LARGEST = 4096
-# The maximum number of letters.
-_LONGEST = 5000
-
-
-@dataclass(frozen=True)
-class Glyphs:
-    """Rendered text, white on black."""
-
-    # Coverage of each pixel, 0..255, shape (rows, columns).
-    mask: Bytes
-    # Pixels in the height of a capital letter.
-    pixels_per_height: float
-
-
-@lru_cache(maxsize=512)
-def rasterize(text: str) -> Glyphs:
-    """Draw text with centered lines. Very long text is drawn smaller, or truncated."""
-    lines = text[:_LONGEST].split("\n")
-    font = _font_for(text[:_LONGEST])
-    columns = max(font.getlength(line) for line in lines) + 2 * _MARGIN
-    rows = _CAPITAL + _LINE * (len(lines) - 1) + 2 * _MARGIN
-    scale = min(1.0, _LARGEST / max(columns, rows))
-    if scale < 1:
-        font = font.font_variant(size=font.size * scale)
-    image = Image.new("L", (round(columns * scale), round(rows * scale)))
-    draw = ImageDraw.Draw(image)
-    for row, line in enumerate(lines):
-        baseline = (_MARGIN + _CAPITAL + _LINE * row) * scale
-        draw.text((columns * scale / 2, baseline), line, fill=255, font=font, anchor="ms")
-    return Glyphs(np.asarray(image), _CAPITAL * scale)
-
-
-def _font_for(text: str) -> ImageFont.FreeTypeFont:
-    """Return RViz's own font or, for characters it lacks, the font with the widest coverage."""
-    fonts = _fonts()
-    for font in fonts:
-        missing = bytes(font.getmask("\uffff"))
-        if not any(bytes(font.getmask(sign)) == missing for sign in set(text) if sign.isprintable()):
-            return font
-    return fonts[-1]
-
-
-@cache
-def _fonts() -> tuple[ImageFont.FreeTypeFont, ...]:
-    paths = [Path(__file__).parent / "fonts" / "CourseSans-Regular.ttf"]
-    matplotlib = find_spec("matplotlib")
-    if matplotlib is not None and matplotlib.origin is not None:
-        paths.append(Path(matplotlib.origin).parent / "mpl-data" / "fonts" / "ttf" / "DejaVuSans.ttf")
-    fonts = []
-    for path in (path for path in paths if path.exists()):
-        # The size at which the font's capital letters have the right height.
-        _, top, _, bottom = ImageFont.truetype(path, 1000).getbbox("H", anchor="ls")
-        fonts.append(ImageFont.truetype(path, 1000 * _CAPITAL / (bottom - top)))
-    return tuple(fonts)
-
 
 _ARC = np.linspace(-np.pi / 2, np.pi / 2, 33)
 
@@ -120,8 +67,8 @@ def unit_shape(shape: drawables.Shape, steps: int) -> Surface:
     if shape == "box":
         flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         return Surface(corners, flat[:, None].repeat(3, axis=1))
-    network_topic = _revolve(np.diff(profile, axis=0)[:, ::-1] * [1, -1], angles)
-    return Surface(corners, _quads(network_topic, network_topic))
+    normals = _revolve(np.diff(profile, axis=0)[:, ::-1] * [1, -1], angles)
+    return Surface(corners, _quads(normals, normals))
 
 
 @cache
@@ -316,7 +263,7 @@ def _points(points: drawables.Points, view: Viewpoint) -> Triangles:
 
 
 def _text(text: drawables.Text, view: Viewpoint) -> Triangles:
-    glyphs = rasterize(text.text)
+    glyphs = encoding.rasterize(text.text)
     rows, columns = glyphs.mask.shape
     size = np.array([columns, rows, 0], np.float32) * np.float32(text.height / glyphs.pixels_per_height)
     lowered = SQUARE - np.array([0, 0.5 * text.below, 0], np.float32)
@@ -582,3 +529,143 @@ def _shade(sample: Indices, value: Float32s, mask: Bytes | None) -> Fragments:
     color[:, -ink.shape[1] :] *= ink / np.float32(255)
     inked = color[:, 3] > 0.01
     return Fragments(sample[inked], depth[inked], color[inked])
+
+
+_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
+_PLACES = (
+    "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
+    "/Applications/Chromium.app/Contents/MacOS/Chromium",
+    r"C:\Program Files\Google\Chrome\Application\chrome.exe",
+    r"C:\Program Files (x86)\Microsoft\Edge\Application\msedge.exe",
+)
+
+# Machines without a screen have only software GL. All network requests and reports are disabled.
+FLAGS = [
+    "--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader", "--disable-background-networking", "--disable-component-update",
+    "--disable-sync", "--disable-extensions", "--no-first-run", "--disable-dev-shm-usage",
+]  # fmt: skip
+
+
+@cache
+def find_browser() -> str | None:
+    """Return the path of a browser, or None."""
+    programs = [shutil.which(name) for name in _NAMES] + [place for place in _PLACES if Path(place).exists()]
+    return next((program for program in programs if program), None)
+
+
+def dump_dom(program: str, page: str, timeout: float) -> str:
+    """Load a page, let its scripts run, and return the resulting DOM as text.
+
+    Args:
+        program: See `find_browser`.
+        page: The text of the page; its scripts must finish while it loads.
+        timeout: The timeout [s].
+
+    Raises:
+        TimeoutError: The browser took longer and was killed.
+        OSError: It cannot be started.
+    """
+    with tempfile.TemporaryDirectory(prefix="course-", ignore_cleanup_errors=True) as folder:
+        path = Path(folder, "scene.html")
+        path.write_text(page, encoding="utf-8")
+        command = [program, *FLAGS, f"--user-data-dir={folder}/profile", "--dump-dom", path.as_uri()]
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        try:
+            return process.communicate(timeout=timeout)[0].decode("utf-8", "replace")
+        except subprocess.TimeoutExpired:
+            raise TimeoutError(f"{program} did not finish within {timeout:g} s.") from None
+        finally:
+            # Kill the browser with all its helper processes.
+            if os.name == "posix":
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(process.pid, signal.SIGKILL)
+            else:
+                process.kill()
+            process.wait()
+
+
+Renderer: TypeAlias = Literal["page", "chromium", "numpy"]
+
+_TIMEOUT = 60.0  # [s]
+
+# Nothing in this page is asynchronous, so it is complete when it has loaded.
+_PAGE = """\
+<!doctype html><meta charset="utf-8"><meta http-equiv="Content-Security-Policy" content="%(policy)s">
+<body><script>%(script)s</script><script>%(start)s</script>"""
+_START = 'document.body.dataset.picture = globalThis["%(key)s"].picture("%(scene)s", %(width)d, %(height)d);'
+
+
+@dataclass(frozen=True)
+class Picture:
+    """An image of a scene."""
+
+    # Content of the file.
+    png: bytes
+    # The program that rendered it.
+    renderer: Renderer
+    # Reason for not using a browser, or "".
+    note: str = ""
+
+    def save(self, path: str | Path) -> None:
+        """Write the file, and create its folder."""
+        write_atomically(Path(os.path.realpath(path)), self.png)
+
+    def _repr_png_(self) -> bytes:
+        """Return the PNG, to display it below a notebook cell."""
+        return self.png
+
+    def __repr__(self) -> str:
+        # The width and height follow the signature and the head of a PNG file's first chunk.
+        width, height = struct.unpack_from(">II", self.png, 16)
+        note = f" ({self.note})" if self.note else ""
+        return f"<Picture of {width} x {height} pixels, drawn by {self.renderer}{note}>"
+
+
+def screenshot(
+    scene: Scene,
+    path: str | Path | None = None,
+    size: tuple[int, int] = (800, 600),
+    renderer: Literal["auto", "chromium", "numpy"] = "auto",
+) -> Picture:
+    """Render the current state of a scene as a PNG with a size in pixels.
+
+    "auto" uses Chromium or Chrome if available, and numpy if there is none or if it fails.
+
+    Raises:
+        CourseError: "chromium" was requested and failed.
+    """
+    if renderer == "numpy":
+        picture = Picture(draw(scene, size), "numpy")
+    else:
+        try:
+            picture = Picture(_draw_in_browser(scene, size), "chromium")
+        # TimeoutError is an OSError.
+        except (CourseError, OSError) as error:
+            if renderer == "chromium":
+                raise CourseError(f"{error} Use renderer='numpy', which needs no browser.") from error
+            picture = Picture(draw(scene, size), "numpy", note=str(error))
+    if path is not None:
+        picture.save(path)
+    return picture
+
+
+def _draw_in_browser(scene: Scene, size: tuple[int, int]) -> bytes:
+    program = find_browser()
+    if program is None:
+        raise CourseError("No Chromium or Chrome was found on this machine.")
+    key, script = html.bundle()
+    script = script.replace("</script", r"<\\/script")
+    encoded_scene = base64.b64encode(encoding.encode_snapshot(scene)).decode()
+    start = _START % {"key": key, "scene": encoded_scene, "width": size[0], "height": size[1]}
+    page = _PAGE % {"policy": html.content_policy(script, start), "script": script, "start": start}
+    match = re.search(r'data-picture="data:image/png;base64,([^"]+)"', dump_dom(program, page, _TIMEOUT))
+    if match is None:
+        raise CourseError(f"{program} returned no image: is WebGL disabled?")
+    return base64.b64decode(match[1])

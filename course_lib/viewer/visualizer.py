@@ -24,7 +24,7 @@ from course_lib.arrays import Float32s, Floats, Matrix
 from course_lib.errors import CourseError
 from course_lib.viewer import drawables
 from course_lib.viewer.html import static_page
-from course_lib.viewer.picture import screenshot
+from course_lib.viewer.renderer import screenshot
 from course_lib.viewer.scene import Scene, describe_scene
 
 Json: TypeAlias = Mapping[str, Any]

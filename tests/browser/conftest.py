@@ -6,7 +6,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from course_lib.ros.graph.graph import Graph, use_graph
-from course_lib.viewer.picture import find_browser
+from course_lib.viewer.renderer import find_browser
 from tests.browser.bench import Bench
 from tests.browser.fake_host import Host, chromium
 from tests.browser.jupyterlab import Lab, course_lab

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
 
-from course_lib.viewer.picture import FLAGS, find_browser
+from course_lib.viewer.renderer import FLAGS, find_browser
 from course_lib.viewer.widget import SceneWidget
 from tests.browser.waiting import wait_until
 

@@ -9,7 +9,7 @@ from playwright.sync_api import Browser
 
 from course_lib.viewer.drawables import Camera, Inset, Lines, Mesh, Points, Shape, Solids, Text
 from course_lib.viewer.html import bundle_code, save_html, scene_fragment
-from course_lib.viewer.picture import screenshot
+from course_lib.viewer.renderer import screenshot
 from course_lib.viewer.scene import Scene
 from tests.browser.fake_host import Pixels, count
 from tests.browser.waiting import wait_until

@@ -14,7 +14,7 @@ from playwright.sync_api import Page
 from course_lib.displays.render import scene_of
 from course_lib.recording import read_bag
 from course_lib.viewer import encoding, html
-from course_lib.viewer.picture import find_browser, screenshot
+from course_lib.viewer.renderer import find_browser, screenshot
 from course_lib.viewer.scene import Scene
 from tests.browser.fake_host import chromium
 from tests.displays.likeness import COLOUR, SHAPE, likeness

@@ -12,7 +12,7 @@ from course_lib.displays.session import RvizSession
 from course_lib.displays.views import Orbit
 from course_lib.displays.writer import document, save_rviz
 from course_lib.errors import CourseError
-from course_lib.viewer.picture import Picture
+from course_lib.viewer.renderer import Picture
 from course_lib.viewer.scene import Scene
 from tests.displays.test_layout import LAYOUT
 

@@ -13,7 +13,7 @@ from course_lib.grading.marks import read_result
 from course_lib.grading.reports.report import standalone
 from course_lib.grading.store import Course, catalog_of
 from course_lib.viewer.html import static_page
-from course_lib.viewer.picture import find_browser
+from course_lib.viewer.renderer import find_browser
 from course_lib.viewer.scene import Scene
 from tests.browser.axe import faults
 from tests.browser.fake_host import chromium

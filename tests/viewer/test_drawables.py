@@ -39,7 +39,7 @@ def test_face_with_a_missing_vertex_is_rejected() -> None:
 
 
 def test_odd_number_of_line_segment_points_is_rejected() -> None:
-    with pytest.raises(CourseError, match="even number of points, there are 3"):
+    with pytest.raises(CourseError, match="even number of points, but there are 3"):
         Lines(np.zeros((3, 3)), RED, strip=False)
 
 

@@ -7,8 +7,7 @@ import pytest
 from PIL import Image
 
 from course_lib.viewer.drawables import Camera, Inset, Solids
-from course_lib.viewer.picture import find_browser, screenshot
-from course_lib.viewer.renderer import placed_insets
+from course_lib.viewer.renderer import find_browser, placed_insets, screenshot
 from course_lib.viewer.scene import Scene
 
 Renderer: TypeAlias = Literal["chromium", "numpy"]

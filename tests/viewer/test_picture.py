@@ -9,9 +9,9 @@ import pytest
 from IPython.core.formatters import DisplayFormatter
 
 from course_lib.errors import CourseError
-from course_lib.viewer import picture
+from course_lib.viewer import renderer
 from course_lib.viewer.drawables import Solids
-from course_lib.viewer.picture import dump_dom, screenshot
+from course_lib.viewer.renderer import dump_dom, screenshot
 from course_lib.viewer.scene import Scene
 
 PNG = b"\x89PNG"
@@ -30,7 +30,7 @@ def browser_that(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[s
         program = tmp_path / "chromium"
         program.write_text(f"#!{sys.executable}\n{code}")
         program.chmod(program.stat().st_mode | stat.S_IEXEC)
-        monkeypatch.setattr(picture, "find_browser", lambda: str(program))
+        monkeypatch.setattr(renderer, "find_browser", lambda: str(program))
 
     return make
 
@@ -38,7 +38,7 @@ def browser_that(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[s
 def test_without_a_browser_numpy_draws_and_a_notice_gives_the_reason(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(picture, "find_browser", lambda: None)
+    monkeypatch.setattr(renderer, "find_browser", lambda: None)
     image = screenshot(scene)
     assert (image.renderer, image.png[:4]) == ("numpy", PNG)
     assert "No Chromium or Chrome was found" in image.note
@@ -51,7 +51,7 @@ def test_hanging_browser_is_ended_and_numpy_draws(
     scene: Scene, browser_that: Callable[[str], None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     browser_that("import time; time.sleep(60)")
-    monkeypatch.setattr(picture, "_TIMEOUT", 0.3)
+    monkeypatch.setattr(renderer, "_TIMEOUT", 0.3)
     image = screenshot(scene)
     assert image.renderer == "numpy"
     assert "did not finish within 0.3 s" in image.note

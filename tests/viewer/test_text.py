@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from course_lib.viewer.renderer import rasterize
+from course_lib.viewer.encoding import rasterize
 
 
 def ink(text: str) -> np.ndarray:

@@ -94,7 +94,7 @@ def test_camera_without_control_has_the_given_pose() -> None:
 
 @pytest.mark.slow
 def test_captured_image_has_the_requested_size(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("course_lib.viewer.picture.find_browser", lambda: None)
+    monkeypatch.setattr("course_lib.viewer.renderer.find_browser", lambda: None)
     visualizer, scene = display_robot("ur10")
     visualizer.setCameraPosition([1.5, 1.5, 1.0])
     visualizer.display(pinocchio.neutral(visualizer.model))

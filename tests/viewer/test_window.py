@@ -120,7 +120,7 @@ def test_unsupported_command_is_reported(vis: Any) -> None:
 
 
 def test_image_is_drawn_without_a_page(vis: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("course_lib.viewer.picture.find_browser", lambda: None)
+    monkeypatch.setattr("course_lib.viewer.renderer.find_browser", lambda: None)
     assert vis.get_image().size == (800, 600)
 
 
