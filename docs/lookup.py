@@ -26,7 +26,7 @@ TAKES = {
 
 def common_rows() -> str:
     """Return the rows that each display with a topic has."""
-    return _table(DrawnDisplay.properties)
+    return _table(DrawnDisplay.properties, DrawnDisplay)
 
 
 def display_rows() -> str:
@@ -52,12 +52,16 @@ def _section(name: str, kind: type[PropertyHolder], common: Sequence[tuple[str, 
     about = " ".join((kind.__doc__ or "").partition("\n\n")[0].split())
     topic = getattr(kind, "type_name", "")
     shows = f" It shows `{topic}`." if topic else ""
-    return f"### {name}\n\n{about}{shows}\n\n{_table(own)}"
+    return f"### {name}\n\n{about}{shows}\n\n{_table(own, kind)}"
 
 
-def _table(rows: Iterable[Property]) -> str:
-    lines = [f"| `{row.label}` | {_shown(row.default)} | {_takes(row)} |" for row in rows]
-    return "\n".join(["| Property | At first | Takes |", "|---|---|---|", *lines, ""])
+def _table(rows: Iterable[Property], kind: type[PropertyHolder]) -> str:
+    lines = [
+        f"| `{row.label}` | {_shown(row.default)} | {_takes(row)} | {kind.describe(row)} |" for row in rows
+    ]
+    return "\n".join(
+        ["| Property | At first | Takes | RViz2's description |", "|---|---|---|---|", *lines, ""]
+    )
 
 
 def _shown(value: object) -> str:

@@ -2,9 +2,12 @@
 
 import math
 import sys
+import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from course_lib.arrays import Vector
@@ -245,6 +248,15 @@ class PropertyHolder(KnownAttributes):
         """Return whether the panel has a row for a property. RViz hides rows without an effect."""
         return all(values and self[label] in values for label, *values in prop.shown_if)
 
+    @classmethod
+    def describe(cls, prop: Property) -> str:
+        """Return RViz's description of a property, or ""."""
+        for kind in cls.__mro__:
+            texts = _descriptions().get(kind.__name__, {})
+            if text := texts.get(prop.label) or texts.get(prop.path[-1]):
+                return text.replace("{type}", getattr(cls, "type_name", "")).lstrip()
+        return ""
+
     def get(self, label: str, default: Any) -> Any:
         """Return a property by its full label, or a default if there is none."""
         return self._values.get(label, default)
@@ -308,6 +320,12 @@ class PropertyHolder(KnownAttributes):
         labels = [prop.label for prop in self.properties]
         similar = get_close_matches(label, labels, 3, 0.4) or labels
         raise CourseError(f"{self} has no property {label!r}; it has {', '.join(map(repr, similar))}.")
+
+
+@cache
+def _descriptions() -> Mapping[str, Mapping[str, str]]:
+    """Return RViz's descriptions, by the name of a Python class and a label."""
+    return tomllib.loads(Path(__file__).with_name("descriptions.toml").read_text("utf-8"))
 
 
 def _with_expectation(expectation: str, convert: Convert) -> Convert:

@@ -174,6 +174,16 @@ def test_panel_hides_rows_without_an_effect_as_rviz_does(
     assert not hidden & labels
 
 
+def test_rows_of_properties_have_the_descriptions_of_rviz(page: Page, viewer: Viewer) -> None:
+    viewer.add("PointCloud2", topic="/c")
+    page.ask(act="OpenPanels")
+    titles = {row["key"]: row.get("title", "") for row in page.rows()}
+    cloud = page.key("PointCloud2")
+    assert titles[f"{cloud}#Topic"] == "sensor_msgs/msg/PointCloud2 topic to subscribe to."
+    assert titles[f"{cloud}#Decay Time"].startswith("Duration, in seconds, to keep the incoming points.")
+    assert titles["options#Fixed Frame"].startswith("Frame into which all data is transformed")
+
+
 def test_invalid_value_is_reported_and_changes_nothing(page: Page, viewer: Viewer) -> None:
     page.ask(act="SetValue", row="displays/Grid#Cell Size", value=None)
     assert page.told["notice"]["level"] == "error"

@@ -2,6 +2,7 @@ import pytest
 
 from course_lib.displays.display import Display
 from course_lib.displays.registry import PACKAGE, REGISTRY
+from course_lib.displays.views import VIEWS
 from tests.displays.bench import Bench
 
 # rviz_default_plugins/plugins_description.xml of Jazzy
@@ -25,3 +26,14 @@ def test_each_display_class_of_rviz_can_be_drawn(name: str) -> None:
 
 def test_registry_contains_each_class_exactly_once() -> None:
     assert sorted(REGISTRY) == sorted(f"{PACKAGE}/{name}" for name in CLASSES)
+
+
+# RViz has no description of these.
+NOT_DESCRIBED = {"Enabled", "Namespaces"}
+
+
+@pytest.mark.parametrize("name", [*CLASSES, *VIEWS])
+def test_each_property_of_rviz_has_its_description(name: str) -> None:
+    kind = VIEWS.get(name) or REGISTRY[f"{PACKAGE}/{name}"]
+    lacking = {prop.label for prop in kind.properties if not kind.describe(prop)}
+    assert lacking <= NOT_DESCRIBED

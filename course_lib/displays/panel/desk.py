@@ -107,7 +107,8 @@ class Rows(dict[str, RowEntry]):
         key, value = f"{parent}#{prop.path[-1]}", holder[prop.label]
         editor = _editor(prop, holder)
         shown_value = "" if prop.convert is booleans else value if editor.kind != "none" else str(value)
-        self.put(key, parent, prop.path[-1], edit, editor=editor, value=shown_value)
+        title = holder.describe(prop)
+        self.put(key, parent, prop.path[-1], edit, editor=editor, value=shown_value, title=title)
         if prop.convert is booleans:
             for name, on in value.items():
                 tick = partial(self._set_check_box, holder, prop.label, name)
