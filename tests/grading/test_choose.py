@@ -240,6 +240,16 @@ def test_rejected_file_of_a_student_with_an_earlier_submission_is_a_note(tmp_pat
     assert (bob.problem, bob.notes) == ("", ["not collected: participant4100002/report.pdf"])
 
 
+def test_rejected_submission_is_found_in_a_folder_given_relative_to_its_parent(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    collected(tmp_path, {"Ada": {NAME: work(1)}, "Bob": {"report.pdf": b"1"}})
+    (tmp_path / "course").mkdir()
+    monkeypatch.chdir(tmp_path / "course")
+    _, bob = find_submissions(Path("../out"), with_refused=True)
+    assert "unsupported file type" in bob.problem
+
+
 def test_rejected_submission_is_listed_in_gradebook_and_index(
     course: Course, tmp_path: Path, right: str
 ) -> None:

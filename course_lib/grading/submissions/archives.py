@@ -319,10 +319,10 @@ def path_problem(parts: tuple[str, ...]) -> str:
     for part in parts:
         if part in ("", ".", "..") or "\\" in part or (len(part) > 1 and part[1] == ":"):
             return "its path leads elsewhere"
-        if not part.isprintable() or len(part.encode("utf-8", "replace")) > MAX_NAME:
-            return (
-                f"its name is longer than {MAX_NAME} bytes" if part.isprintable() else "its name is not text"
-            )
+        if hidden := next((character for character in part if not character.isprintable()), ""):
+            return f"its name contains the invisible character U+{ord(hidden):04X}. Rename the file"
+        if len(part.encode("utf-8", "replace")) > MAX_NAME:
+            return f"its name is longer than {MAX_NAME} bytes"
     return ""
 
 

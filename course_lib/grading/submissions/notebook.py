@@ -73,8 +73,9 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
     except ValueError as error:
         start = data.lstrip()[:4].lower()
         kinds = [text for first, text in LOOKS_LIKE.items() if start.startswith(first)]
+        # A marker in the first line also begins like a web page.
         if CONFLICT.search(data):
-            kinds.append("git's markers of a merge conflict are in it")
+            kinds.insert(0, "git's markers of a merge conflict are in it")
         problem = kinds[0] if kinds else "it is not JSON" if start else "it is empty"
         raise CourseError(f"{name} is not a notebook: {problem}. Save it again in JupyterLab.") from error
     content = _dict(content)

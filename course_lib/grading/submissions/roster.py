@@ -124,12 +124,13 @@ class Ledger:
     def refused(self) -> Mapping[str, Entry]:
         """The files that `course collect` rejected, by path in the folder."""
         top = self.top.absolute()
-        rows = {path: entry for path, entry in self.entries.items() if entry.refused and entry.exercise}
-        return {
-            path.relative_to(top).as_posix(): entry
-            for path, entry in rows.items()
-            if path.is_relative_to(top) and ".." not in path.parts
+        rows = {
+            path.relative_to(top): entry
+            for path, entry in self.entries.items()
+            if entry.refused and entry.exercise and path.is_relative_to(top)
         }
+        # The folder itself may be given as ../submissions.
+        return {file.as_posix(): entry for file, entry in rows.items() if ".." not in file.parts}
 
     def _stamp_of(self, path: Path) -> Path | None:
         """Return the effective time stamp of a file: the outermost one at nbgrader's depth.
