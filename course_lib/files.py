@@ -3,11 +3,14 @@
 import os
 import re
 import shutil
+import signal
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
+from types import FrameType
+from typing import NoReturn
 
 _DRAFT = re.compile(r"\.(.+)\.\w+\.draft")
 _ERROR_CODE = re.compile(r"\[Errno (\d+)\]")
@@ -55,7 +58,8 @@ def write_atomically(path: Path, data: bytes, mode: int = 0o666) -> None:
 def draft_folder(target: Path) -> Iterator[Path]:
     """Create a temporary folder next to a file or folder, in which its new content is prepared.
 
-    Afterwards it is deleted. After an error, so are the parents of the target that were created.
+    Afterwards it is deleted, also if the program is ended by `kill` or with its terminal. After an
+    error, so are the parents of the target that were created.
 
     Raises:
         OSError: The content cannot be written. The error contains the path of the target.
@@ -63,9 +67,12 @@ def draft_folder(target: Path) -> Iterator[Path]:
     missing = [folder for folder in target.parents if not folder.exists()]
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(
-            dir=target.parent, prefix=f".{target.name}.", suffix=".draft"
-        ) as folder:
+        with (
+            _exit_on_signals(),
+            tempfile.TemporaryDirectory(
+                dir=target.parent, prefix=f".{target.name}.", suffix=".draft"
+            ) as folder,
+        ):
             yield Path(folder)
     except BaseException as error:
         with suppress(OSError):
@@ -78,6 +85,33 @@ def draft_folder(target: Path) -> Iterator[Path]:
             raise OSError(error.errno, error.strerror, str(target)) from error
         raise
     _remove_stale_drafts(target)
+
+
+@contextmanager
+def _exit_on_signals() -> Iterator[None]:
+    """Raise SystemExit for signals that would end the program without deleting its temporary files.
+
+    Signals with a handler are left to it, and so are all signals in a thread, where Python allows no
+    handlers.
+    """
+    # Windows has no SIGHUP.
+    numbers = [getattr(signal, name, signal.SIGTERM) for name in ("SIGTERM", "SIGHUP")]
+    replaced = [number for number in {*numbers} if signal.getsignal(number) == signal.SIG_DFL]
+    try:
+        for number in replaced:
+            signal.signal(number, _exit)
+    except ValueError:
+        replaced = []
+    try:
+        yield
+    finally:
+        for number in replaced:
+            signal.signal(number, signal.SIG_DFL)
+
+
+def _exit(number: int, frame: FrameType | None) -> NoReturn:
+    # The exit code that a shell reports for a program ended by a signal.
+    raise SystemExit(128 + number)
 
 
 def _remove_stale_drafts(path: Path) -> None:

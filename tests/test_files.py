@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -34,6 +35,37 @@ def write_folder(path: Path) -> None:
 @pytest.fixture(autouse=True)
 def sweep_each_folder_again(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("course_lib.files._swept", set[Path]())
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows ends programs without signals")
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_draft_folder_is_deleted_when_its_program_is_ended(name: str, tmp_path: Path) -> None:
+    code = (
+        "import os, signal\nfrom pathlib import Path\nfrom course_lib.files import draft_folder\n"
+        "with draft_folder(Path('new/target')) as draft:\n"
+        "    (draft / 'part').write_text('x')\n"
+        f"    os.kill(os.getpid(), signal.{name})\n"
+        "    print('not reached')\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE
+    )
+    assert (ended.returncode, ended.stdout, ended.stderr) == (128 + getattr(signal, name), "", "")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_draft_folder_leaves_handled_signals_and_threads_alone(tmp_path: Path) -> None:
+    handled: list[int] = []
+    previous = signal.signal(signal.SIGTERM, lambda number, _: handled.append(number))
+    try:
+        with draft_folder(tmp_path / "target"):
+            signal.raise_signal(signal.SIGTERM)
+    finally:
+        signal.signal(signal.SIGTERM, previous)
+    assert handled == [signal.SIGTERM]
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(write_folder, tmp_path / "in_thread").result(PATIENCE)
+    assert (tmp_path / "in_thread").is_dir()
 
 
 @pytest.mark.parametrize(("code", "write"), [(_FILE, write_file), (_FOLDER, write_folder)])
