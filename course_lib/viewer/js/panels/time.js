@@ -8,7 +8,8 @@ const TIME_STYLE = `
   background: var(--jp-layout-color1, Canvas); }
 .course-time:not(.course-viewer *) { color-scheme: light dark; }
 .course-time input { flex: 1 1 8em; min-width: 6em; }
-.course-time output { white-space: nowrap; font-variant-numeric: tabular-nums; }
+.course-time output span { white-space: nowrap; }
+.course-time output { font-variant-numeric: tabular-nums; }
 .course-time button { min-width: 2.2em; }
 .course-time button[aria-pressed="true"] { outline: 2px solid currentColor; outline-offset: -2px; }`;
 
@@ -58,7 +59,9 @@ export class TimeBar {
     this.slider.setAttribute("aria-valuetext", `${time.elapsed.toFixed(2)} of ${range[1].toFixed(2)} s`);
     this.loopButton.ariaPressed = String(time.loop ?? false);
     this.speedSelect.value = String(time.rate);
-    this.text.textContent = timeText(time);
+    // A narrow window breaks the line between two clocks.
+    const clocks = timeTexts(time).map((textContent) => createElement("span", { textContent }));
+    this.text.replaceChildren(...clocks.flatMap((clock) => [clock, "  "]));
   }
 
   /** @param {KeyboardEvent} event */
@@ -101,11 +104,11 @@ export function timeBelow(link, element) {
   };
 }
 
-/** @param {Time} time @returns {string} the text of RViz's Time panel */
-function timeText({ now, elapsed, range, wall, wallElapsed, note }) {
+/** @param {Time} time @returns {string[]} the texts of RViz's Time panel */
+function timeTexts({ now, elapsed, range, wall, wallElapsed, note }) {
   const parts = now === undefined ? [] : [`ROS Time: ${now.toFixed(2)}`];
   parts.push(`ROS Elapsed: ${elapsed.toFixed(2)}${range ? ` of ${range[1].toFixed(2)} s` : ""}`);
   if (wall !== undefined) parts.push(`Wall Time: ${wall.toFixed(2)}`);
   if (wallElapsed !== undefined) parts.push(`Wall Elapsed: ${wallElapsed.toFixed(2)}`);
-  return [...parts, ...(note ? [note] : [])].join("  ");
+  return [...parts, ...(note ? [note] : [])];
 }
