@@ -65,6 +65,14 @@ _YUV: Mapping[str, tuple[tuple[int, int], int, int]] = {
 }
 
 
+def row_bytes(encoding: str, width: int) -> int:
+    """Return the number of bytes that the pixels of a row have in a supported encoding."""
+    if encoding in _ENCODINGS:
+        kind = _ENCODINGS[encoding]
+        return width * kind.size * np.dtype(kind.dtype).itemsize
+    return width * (2 if encoding in _YUV or encoding.endswith("16") else 1)
+
+
 def is_supported(encoding: str) -> bool:
     """Return whether RViz can draw images with this encoding."""
     return encoding in _ENCODINGS or encoding in _YUV or encoding.startswith("bayer")

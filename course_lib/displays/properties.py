@@ -318,6 +318,10 @@ class PropertyHolder(KnownAttributes):
         if matches:
             raise CourseError(f"{self}: {label!r} may be {' or '.join(repr(p.label) for p in matches)}.")
         labels = [prop.label for prop in self.properties]
+        if plain_label == "name" and hasattr(self, "name"):
+            raise CourseError(
+                f"The name of {self} is not a property: write name= in add(…), or display.name = 'a name'."
+            )
         similar = get_close_matches(label, labels, 3, 0.4) or labels
         raise CourseError(f"{self} has no property {label!r}; it has {', '.join(map(repr, similar))}.")
 

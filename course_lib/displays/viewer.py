@@ -215,7 +215,9 @@ class Viewer(KnownAttributes):
     @view.setter
     def view(self, view: ViewController) -> None:
         if not isinstance(view, ViewController):
-            raise CourseError(f"{view!r} is not a view; assign one, like viewer.view = Orbit().")
+            is_class = isinstance(view, type) and issubclass(view, ViewController)
+            example = view.__name__ if is_class else "Orbit"
+            raise CourseError(f"{view!r} is not a view; assign one, like viewer.view = {example}().")
         self.session.view = view
 
     @property

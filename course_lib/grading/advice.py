@@ -20,18 +20,17 @@ import numpy as np
 from course_lib.course.exercise import code_cells, read_notebook
 from course_lib.course.exercise import source as text_of
 from course_lib.course.state import exercises_dir
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, format_count
 from course_lib.export.module import without_magics
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER
+from course_lib.grading.node_slips import find_growing_list, find_slip
 from course_lib.grading.records import TaskResult
 from course_lib.grading.run.submission_run import NO_NODE
 from course_lib.grading.slips import (
     IN_PLACE,
     Function,
-    find_growing_list,
     find_hidden_error,
-    find_slip,
     parse,
 )
 from course_lib.grading.task import HINTS, Task
@@ -49,7 +48,10 @@ AFTER_AN_ERROR = (
 
 # Kinds of mistakes that may be caused by a list that keeps the items of earlier calls, unless the
 # task has its own hint for them. Old stamps are always a reason to look for such a list.
-_OLD_ITEMS = {"a stamp is in the past", "a stamp is not the expected one"}
+_OLD_ITEMS = {
+    *("a stamp is in the past", "a stamp is not the expected one"),
+    *("a level is wrong", "a status message lacks an expected word"),
+}
 _SURPLUS = {
     "markers with the same ns and id replace each other",
     "a marker is twice in one array",
@@ -377,9 +379,20 @@ def missing_return_hint(task: Task, evidence: Iterable[Evidence], source: str = 
 
 
 def parameter_order_hint(task: Task, source: str) -> list[str]:
-    """Return a sentence about parameters whose order differs from the exercise, or []."""
+    """Return a sentence about parameters whose number or order differs from the exercise, or []."""
     given = _released_parameters(task.week, task.name)
-    for name, own in _parameters(parse(source)):
+    tree = parse(source)
+    for node in getattr(tree, "body", ()):
+        if isinstance(node, Function) and node.name == task.name in given:
+            expected = given[task.name]
+            most = len(node.args.posonlyargs) + len(node.args.args)
+            if node.args.vararg is None and not most - len(node.args.defaults) <= len(expected) <= most:
+                count = format_count(most, "parameter")
+                return [
+                    f"Hint: {task.name} has {count} here, and {len(expected) or 'none'} in the exercise: "
+                    f"write def {task.name}({', '.join(expected)})."
+                ]
+    for name, own in _parameters(tree):
         expected = given.get(name, [])
         in_place = [one not in own or own.index(one) == place for place, one in enumerate(expected)]
         # Errors about a missing or surplus parameter have hints of their own.

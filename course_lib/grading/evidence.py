@@ -49,9 +49,21 @@ class StartedNode:
     @property
     def options(self) -> dict[str, str]:
         """The program's own arguments as a dict from option to value."""
+        words, options = self.arguments, dict[str, str]()
+        for word, following in zip(words, (*words[1:], "--"), strict=False):
+            option, is_assigned, value = word.partition("=")
+            if word.startswith("-") and is_assigned:
+                options[option] = value
+            # A negative number begins with a single dash.
+            elif word.startswith("-") and not following.startswith("--"):
+                options[word] = following
+        return options
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """The program's own arguments."""
         end = self.words.index("--ros-args") if "--ros-args" in self.words else len(self.words)
-        words = self.words[:end]
-        return dict(zip(words[::2], words[1::2], strict=False))
+        return self.words[:end]
 
 
 @dataclass(frozen=True)

@@ -1,21 +1,23 @@
-"""Slips that raise no error, such as `==` for `=`, found in the syntax tree of a student's code."""
+"""Slips in functions that raise no error, such as `==` for `=`, found in the syntax tree of a student's code.
+
+Those in classes of nodes are in `node_slips.py`.
+"""
 
 import ast
+import math
 import re
 import textwrap
-from collections import Counter
 from collections.abc import Iterator, Sequence
-from difflib import get_close_matches
 from itertools import pairwise
 
 # Methods of lists, dictionaries and sets that change them and return None.
 IN_PLACE = {"append", "extend", "insert", "remove", "reverse", "sort", "clear", "update", "add", "discard"}
 # Functions and methods that only return a value.
-_PURE = {"sorted", "reversed", "round", "abs", "replace", "strip", "lower", "upper", "format", "split"}
+_PURE = {
+    *("sorted", "reversed", "round", "abs", "min", "max", "sum", "clip", "radians", "degrees"),
+    *("replace", "strip", "lower", "upper", "format", "split"),
+}
 _SENDING = ("publish", "sendTransform")
-# Objects that receive messages only after they are created. A publisher that is created in a
-# callback does send, so it is never the reason that a check fails.
-_RECEIVERS = {"Buffer", "TransformListener", "create_subscription"}
 _SIGNS = {ast.UAdd: "+", ast.USub: "-"}
 _LONGEST = 60  # characters of a quoted line
 _FIELD = re.compile(r"\{[a-z_]\w*(\.\w+|\[\w+\])*(:[^{}]*)?\}")
@@ -30,31 +32,8 @@ def parse(source: str) -> ast.AST:
         return ast.Module(body=[], type_ignores=[])
 
 
-def find_slip(source: str) -> str:
-    """Return a sentence about the first slip in the code, or ""."""
-    tree = parse(source)
-    for outer in ast.walk(tree):
-        if isinstance(outer, ast.ClassDef):
-            for slip in (*_renewed_receivers(outer), *_replaced_methods(outer)):
-                return slip
-        attributes = _attributes_of_self(outer) if isinstance(outer, ast.ClassDef) else set()
-        functions = outer.body if isinstance(outer, ast.ClassDef | ast.Module) else []
-        for function in functions:
-            if isinstance(function, Function):
-                for slip in _slips(function, attributes):
-                    return slip
-        if isinstance(outer, ast.ClassDef):
-            for slip in (
-                *_repeated_timers(outer),
-                *_destructive_callbacks(outer),
-                *_generators(outer),
-                *_misspelled_attributes(outer),
-            ):
-                return slip
-    return ""
-
-
-def _slips(function: Function, attributes: set[str]) -> Iterator[str]:
+def function_slips(function: Function, attributes: set[str]) -> Iterator[str]:
+    """Yield a sentence for each slip in a function, or in a method of a class with these attributes."""
     for block in _blocks(function):
         yield from _idle_statements(block)
         yield from _recreations(block)
@@ -63,7 +42,11 @@ def _slips(function: Function, attributes: set[str]) -> Iterator[str]:
         yield from _reused_objects(block)
         yield from _shrinking_loops(block)
         yield from _unreachable(block)
+        yield from _late_settings(block)
+        yield from _shared_lists(block, function)
     yield from _odd_operators(function)
+    yield from _constant_conditions(function)
+    yield from _replaced_parameters(function)
     yield from _empty_results(function)
     yield from _lost_factors(function)
     yield from _shared_defaults(function)
@@ -95,7 +78,8 @@ def _blocks(function: Function) -> Iterator[Sequence[ast.stmt]]:
                 waiting += filter(None, [*inner, *handlers])
 
 
-def _quote(node: ast.AST) -> str:
+def quote(node: ast.AST) -> str:
+    """Return the first line of a statement in double quotes, cut to a readable length."""
     text = ast.unparse(node).splitlines()[0]
     return f'"{text}"' if len(text) <= _LONGEST else f'"{text[: _LONGEST - 1]}…"'
 
@@ -104,24 +88,22 @@ def _idle_statements(block: Sequence[ast.stmt]) -> Iterator[str]:
     for statement in block:
         match statement:
             case ast.Expr(value=ast.Compare(ops=[ast.Eq()])):
-                yield f"{_quote(statement)} compares and changes nothing: a single = sets a value."
+                yield f"{quote(statement)} compares and changes nothing: a single = sets a value."
             case ast.Expr(
                 value=ast.UnaryOp(
                     op=ast.UAdd() | ast.USub() as sign, operand=ast.UnaryOp(operand=ast.Name(id=name))
                 )
             ):
-                yield f"{_quote(statement)} changes nothing: write {name} {_SIGNS[type(sign)]}= 1."
-            case ast.Expr(value=ast.BinOp()):
-                yield (
-                    f"{_quote(statement)} computes a value that is not used: write a name and = before it."
-                )
+                yield f"{quote(statement)} changes nothing: write {name} {_SIGNS[type(sign)]}= 1."
+            case ast.Expr(value=ast.BinOp() | ast.Subscript()):
+                yield (f"{quote(statement)} computes a value that is not used: write a name and = before it.")
             case ast.Expr(value=ast.Attribute() as named):
-                yield f"{_quote(statement)} names {named.attr} and does not call it: write ( ) after it."
+                yield f"{quote(statement)} names {named.attr} and does not call it: write ( ) after it."
             case ast.Expr(
                 value=ast.Call(func=ast.Name(id=name) | ast.Attribute(value=ast.Name(), attr=name))
             ) if name in _PURE:
                 yield (
-                    f"{_quote(statement)} returns a value and changes nothing: write a name and = before it."
+                    f"{quote(statement)} returns a value and changes nothing: write a name and = before it."
                 )
             case ast.Assign(value=ast.UnaryOp(op=ast.UAdd())):
                 name = ast.unparse(statement.targets[0])
@@ -133,7 +115,7 @@ def _idle_statements(block: Sequence[ast.stmt]) -> Iterator[str]:
                 yield f"{method}() changes {name} and returns None: leave out {name} = before it."
 
 
-def _created_object(statement: ast.stmt) -> tuple[str, str]:
+def created_object(statement: ast.stmt) -> tuple[str, str]:
     """Return the name and the class of an object that a statement creates, or ("", "")."""
     match statement:
         case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(func=ast.Name(id=kind))) if kind[
@@ -145,12 +127,12 @@ def _created_object(statement: ast.stmt) -> tuple[str, str]:
 
 def _sets_field(statement: ast.stmt, name: str) -> bool:
     return isinstance(statement, ast.Assign | ast.AugAssign) and any(
-        _root(target) == name
+        root_of(target) == name
         for target in (statement.targets if isinstance(statement, ast.Assign) else [statement.target])
     )
 
 
-def _root(node: ast.AST) -> str:
+def root_of(node: ast.AST) -> str:
     """Return the variable at the root of an attribute or subscript expression, or "" for a plain variable."""
     is_inside = False
     while isinstance(node, ast.Attribute | ast.Subscript):
@@ -166,10 +148,10 @@ def _recreations(block: Sequence[ast.stmt]) -> Iterator[str]:
     # Whether a field of each object has been set and the object has not been used otherwise yet.
     is_filled: dict[str, bool] = {}
     for statement in block:
-        name, kind = _created_object(statement)
+        name, kind = created_object(statement)
         if name:
             if is_filled.get(name):
-                yield f"{_quote(statement)} creates a second {kind}: what was set before is in the first."
+                yield f"{quote(statement)} creates a second {kind}: what was set before is in the first."
             is_filled[name] = False
             continue
         for filled_name in list(is_filled):
@@ -192,17 +174,17 @@ def _published_variable(statement: ast.AST) -> str:
 def _late_assignments(block: Sequence[ast.stmt]) -> Iterator[str]:
     for index, statement in enumerate(block):
         name = _published_variable(statement)
-        created = any(_created_object(one)[0] == name for one in block[:index])
+        created = any(created_object(one)[0] == name for one in block[:index])
         later = []
         for after in block[index + 1 :]:
-            if _created_object(after)[0] == name:
+            if created_object(after)[0] == name:
                 break
             if _sets_field(after, name):
                 later.append(after)
         is_recreated = any(_published_variable(one) == name for one in block[index + 1 :])
         if name and created and later and not is_recreated:
             yield (
-                f"{_quote(later[0])} comes after {_quote(statement)}: a message is sent as it is "
+                f"{quote(later[0])} comes after {quote(statement)}: a message is sent as it is "
                 "at that moment. Set everything before."
             )
 
@@ -213,36 +195,84 @@ def _loops(block: Sequence[ast.stmt], function: str) -> Iterator[str]:
             continue
         if isinstance(loop.body[-1], ast.Return):
             yield f"return ends the loop of {function} after its first item: move it out of the loop."
+        if isinstance(loop.body[-1], ast.Break):
+            yield f"break ends the loop of {function} after its first item: leave it out."
         before = {name.id for one in block[:index] for name in ast.walk(one) if isinstance(name, ast.Name)}
-        inside = {_created_object(one)[0] for one in loop.body} - before - {""}
+        inside = {created_object(one)[0] for one in loop.body} - before - {""}
         for later in block[index + 1 :]:
             match later:
                 case ast.Expr(value=ast.Call(func=ast.Attribute(attr=method), args=[ast.Name(id=name)])) if (
                     name in inside and method in (*_SENDING, "append")
                 ):
                     yield (
-                        f"{_quote(later)} is after the loop and gets only the last {name}: move it "
+                        f"{quote(later)} is after the loop and gets only the last {name}: move it "
                         "into the loop."
                     )
-        emptied_names = [
-            one.targets[0].id
-            for one in loop.body
-            if isinstance(one, ast.Assign)
-            and isinstance(one.targets[0], ast.Name)
-            and isinstance(one.value, ast.List)
-            and not one.value.elts
-        ]
-        for name in emptied_names:
+        for name in [name for one in loop.body for name in _emptied_names(one)]:
             if any(_uses(one, name) for one in block[index + 1 :]):
                 yield f'"{name} = []" in the loop empties the list for each item: move it before the loop.'
+
+
+def _emptied_names(statement: ast.stmt) -> list[str]:
+    """Return the variables that a statement sets to an empty list, as in `columns, rows = [], []`."""
+    match statement:
+        case ast.Assign(targets=[ast.Tuple(elts=targets)], value=ast.Tuple(elts=values)) if len(
+            targets
+        ) == len(values):
+            pairs = list(zip(targets, values, strict=True))
+        case ast.Assign(targets=targets, value=value):
+            pairs = [(target, value) for target in targets]
+        case _:
+            return []
+    return [
+        target.id
+        for target, value in pairs
+        if isinstance(target, ast.Name) and isinstance(value, ast.List) and not value.elts
+    ]
+
+
+def _shared_lists(block: Sequence[ast.stmt], function: Function) -> Iterator[str]:
+    """Yield a sentence for each list that has two names, of which both are filled."""
+    for statement in block:
+        if not isinstance(statement, ast.Assign) or len(statement.targets) < 2:
+            continue
+        names = [name for name in _emptied_names(statement) if _changes(function, name)]
+        if len(names) > 1:
+            lists = ", ".join("[]" for _ in names)
+            yield (
+                f"{quote(statement)} makes one list with {len(names)} names. "
+                f"Write {', '.join(names)} = {lists}."
+            )
+
+
+def _late_settings(block: Sequence[ast.stmt]) -> Iterator[str]:
+    """Yield a sentence for each property that is set after its layout has been saved."""
+    saved: dict[str, ast.stmt] = {}
+    late: dict[str, ast.stmt] = {}
+    for statement in block:
+        match statement:
+            case ast.Expr(value=ast.Call(func=ast.Attribute(value=ast.Name(id=name), attr="save_rviz"))):
+                saved[name] = statement
+                late.pop(name, None)
+            case ast.Assign(targets=[target]) if root_of(target) in saved:
+                late.setdefault(root_of(target), statement)
+            case ast.Expr(
+                value=ast.Call(func=ast.Attribute(value=ast.Name(id=name), attr="add" | "remove"))
+            ) if name in saved:
+                late.setdefault(name, statement)
+    for name, statement in late.items():
+        yield (
+            f"{quote(statement)} comes after {quote(saved[name])}: the file has what was set "
+            "before. Save at the end."
+        )
 
 
 def _reused_objects(block: Sequence[ast.stmt]) -> Iterator[str]:
     for index, loop in enumerate(block):
         if not isinstance(loop, ast.For):
             continue
-        created = dict(filter(lambda found: found[0], map(_created_object, block[:index])))
-        inside = {_created_object(one)[0] for one in ast.walk(loop) if isinstance(one, ast.stmt)}
+        created = dict(filter(lambda found: found[0], map(created_object, block[:index])))
+        inside = {created_object(one)[0] for one in ast.walk(loop) if isinstance(one, ast.stmt)}
         for node in ast.walk(loop):
             match node:
                 case ast.Call(func=ast.Attribute(attr="append"), args=[ast.Name(id=name)]) if (
@@ -273,7 +303,7 @@ def _shrinking_loops(block: Sequence[ast.stmt]) -> Iterator[str]:
                         and not any(isinstance(one, ast.Break | ast.Return) for one in statements[index:])
                     ):
                         yield (
-                            f"{_quote(statement)} changes {items} during the loop over it, which "
+                            f"{quote(statement)} changes {items} during the loop over it, which "
                             f"then skips an item: loop over a copy, list({items})."
                         )
 
@@ -301,7 +331,7 @@ def _lost_results(function: Function) -> Iterator[str]:
                     for result in sorted(created & returned):
                         if not _uses(call, result):
                             yield (
-                                f"{_quote(call)} returns a list that is not used: write "
+                                f"{quote(call)} returns a list that is not used: write "
                                 f"{result}.extend({ast.unparse(call)})."
                             )
 
@@ -349,7 +379,7 @@ def _blocking_calls(function: Function) -> Iterator[str]:
                 | ast.Name(id="spin_for" | "run_live")
             ):
                 yield (
-                    f"{_quote(node.func)} in {function.name} waits for callbacks while the node is "
+                    f"{quote(node.func)} in {function.name} waits for callbacks while the node is "
                     "busy with this one: leave it out, the node is spun from outside."
                 )
 
@@ -417,7 +447,7 @@ def _python_timers(function: Function) -> Iterator[str]:
                 func=ast.Attribute(value=ast.Name(id="threading"), attr="Timer") | ast.Name(id="Timer")
             ):
                 yield (
-                    f"{_quote(node)} calls its function once, after the wall clock. A timer of the "
+                    f"{quote(node)} calls its function once, after the wall clock. A timer of the "
                     "node calls it again and again: self.create_timer(period, function)."
                 )
 
@@ -456,7 +486,7 @@ def _idle_lambdas(function: Function) -> Iterator[str]:
                 for one in args:
                     if isinstance(one, ast.Lambda) and isinstance(one.body, ast.Attribute):
                         name = ast.unparse(one.body)
-                        yield f"{_quote(one)} names {one.body.attr} and does not call it: pass {name} alone."
+                        yield f"{quote(one)} names {one.body.attr} and does not call it: pass {name} alone."
 
 
 def _other_files(function: Function) -> Iterator[str]:
@@ -474,134 +504,6 @@ def _other_files(function: Function) -> Iterator[str]:
                 yield f"The layout is saved as {saved[0]}, and the text is that of {name}: use one name."
 
 
-def _callbacks_of(cls: ast.ClassDef) -> Iterator[Function]:
-    """Yield the methods of a class that are passed as callbacks."""
-    called = [node.func for node in ast.walk(cls) if isinstance(node, ast.Call)]
-    passed = {
-        node.attr
-        for node in ast.walk(cls)
-        if isinstance(node, ast.Attribute) and node not in called and _root(node) == "self"
-    }
-    for function in cls.body:
-        if isinstance(function, Function) and function.name in passed - {"__init__"}:
-            yield function
-
-
-def _renewed_receivers(cls: ast.ClassDef) -> Iterator[str]:
-    """Yield a sentence for each buffer, listener or subscription created in a callback."""
-    for function in _callbacks_of(cls):
-        for node in ast.walk(function):
-            match node:
-                case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in _RECEIVERS:
-                    yield (
-                        f"{_quote(node)} is in {function.name}: each call creates a new one, "
-                        "which has received nothing yet. Create it once, in __init__."
-                    )
-
-
-def _generators(cls: ast.ClassDef) -> Iterator[str]:
-    """Yield a sentence for each callback that yields: a call of it runs none of its lines."""
-    for function in _callbacks_of(cls):
-        if any(isinstance(node, ast.Yield | ast.YieldFrom) for node in ast.walk(function)):
-            yield (
-                f"yield makes {function.name} a generator, and a call runs none of its lines: leave it out."
-            )
-
-
-def _misspelled_attributes(cls: ast.ClassDef) -> Iterator[str]:
-    """Yield a sentence for each attribute that is only set and resembles one that is only read."""
-    read: set[str] = set()
-    stored: dict[str, ast.expr] = {}
-    for function in cls.body:
-        if not isinstance(function, Function):
-            continue
-        for node in ast.walk(function):
-            match node:
-                case ast.Attribute(value=ast.Name(id="self"), attr=name, ctx=ast.Load()):
-                    read.add(name)
-                case ast.Attribute(value=ast.Name(id="self"), attr=name) if function.name != "__init__":
-                    stored[name] = node
-    for name in stored.keys() - read:
-        similar = get_close_matches(name, read - stored.keys(), 1, 0.8)
-        if similar:
-            yield (
-                f"self.{name} is set and never read, and self.{similar[0]} is read and never set "
-                "outside of __init__: are they meant to be one?"
-            )
-
-
-def _replaced_methods(cls: ast.ClassDef) -> Iterator[str]:
-    """Yield a sentence for each method that an attribute of the same name replaces."""
-    methods = {node.name for node in cls.body if isinstance(node, Function) and not node.decorator_list}
-    for node in ast.walk(cls):
-        match node:
-            case ast.Assign(targets=[ast.Attribute(value=ast.Name(id="self"), attr=name)], value=value) if (
-                name in methods and not isinstance(value, ast.Lambda)
-            ):
-                yield (
-                    f"{_quote(node)} replaces the method {name}, which cannot be called after it: "
-                    "choose another name for one of them."
-                )
-
-
-def find_growing_list(source: str) -> str:
-    """Return a sentence about a list of a node that grows with each call of a callback, or ""."""
-    for cls in ast.walk(parse(source)):
-        if not isinstance(cls, ast.ClassDef):
-            continue
-        created = set[str]()
-        for node in ast.walk(cls):
-            match node:
-                case ast.Assign(
-                    targets=[ast.Attribute(value=ast.Name(id="self")) as target],
-                    value=ast.List(elts=[]) | ast.Call(func=ast.Name(), args=[], keywords=[]),
-                ):
-                    created.add(ast.unparse(target))
-        for function in _callbacks_of(cls):
-            for node in ast.walk(function):
-                match node:
-                    case ast.Call(func=ast.Attribute(value=grown, attr="append" | "extend")):
-                        pass
-                    case ast.AugAssign(target=ast.Attribute() as grown, op=ast.Add(), value=ast.List()):
-                        pass
-                    case _:
-                        continue
-                items = ast.unparse(grown)
-                owner = ".".join(items.split(".")[:2])
-                if owner in created and not _shortens(cls, items, owner):
-                    return (
-                        f"{items} keeps the items of each earlier call of {function.name}: empty "
-                        "it there first, or create a new list in each call."
-                    )
-    return ""
-
-
-def _shortens(cls: ast.ClassDef, items: str, owner: str) -> bool:
-    """Return whether a class shortens or replaces a list outside of __init__."""
-    for function in cls.body:
-        if not isinstance(function, Function) or function.name == "__init__":
-            continue
-        # += stores a list, and makes it longer.
-        longer = [node.target for node in ast.walk(function) if isinstance(node, ast.AugAssign)]
-        for node in ast.walk(function):
-            match node:
-                case ast.Call(func=ast.Attribute(value=changed, attr="clear" | "pop" | "popleft" | "remove")):
-                    pass
-                case ast.Attribute(ctx=ast.Store() | ast.Del()) as changed if changed not in longer:
-                    pass
-                case ast.Subscript(value=changed, slice=ast.Slice()):
-                    pass
-                case ast.Subscript(value=changed, ctx=ast.Store() | ast.Del()):
-                    pass
-                case ast.Call(func=ast.Name(id="len"), args=[changed]):
-                    pass
-                case _:
-                    continue
-            if ast.unparse(changed) in (items, owner):
-                return True
-    return False
-
-
 def _empty_results(function: Function) -> Iterator[str]:
     """Yield a sentence for each empty result of a parameter callback."""
     for node in ast.walk(function):
@@ -612,52 +514,6 @@ def _empty_results(function: Function) -> Iterator[str]:
                     "SetParametersResult(successful=True), or successful=False and a reason in "
                     "quotes."
                 )
-
-
-def _repeated_timers(cls: ast.ClassDef) -> Iterator[str]:
-    """Yield a sentence for timers that add up: created in a callback, or two with one callback."""
-    for function in _callbacks_of(cls):
-        calls = [node for node in ast.walk(function) if isinstance(node, ast.Call)]
-        methods = {node.func.attr for node in calls if isinstance(node.func, ast.Attribute)}
-        if "create_timer" in methods and not methods & {"destroy_timer", "cancel"}:
-            yield (
-                f"create_timer is in {function.name}: each call creates another timer, and all of "
-                "them run. Create it once, in __init__, or end the old one first, with "
-                "destroy_timer."
-            )
-    callbacks: Counter[str] = Counter()
-    for node in ast.walk(cls):
-        match node:
-            case ast.Call(func=ast.Attribute(attr="create_timer"), args=[_, ast.Attribute() as callback, *_]):
-                callbacks[ast.unparse(callback)] += 1
-    for name, count in callbacks.items():
-        if count > 1 and "destroy_timer" not in ast.unparse(cls):
-            yield f"{count} timers call {name}, so that it runs {count} times: leave one of them."
-
-
-_ENDINGS = {
-    "destroy_node": "ends the node",
-    "shutdown": "ends all nodes",
-    "cancel": "ends the timer",
-    "destroy_timer": "ends the timer",
-    "destroy_publisher": "ends the publisher",
-    "destroy_subscription": "ends the subscription",
-}
-
-
-def _destructive_callbacks(cls: ast.ClassDef) -> Iterator[str]:
-    """Yield a sentence for each callback that ends its node, its timer or its publisher."""
-    for function in _callbacks_of(cls):
-        if "create_timer" in ast.unparse(function):
-            continue
-        # A call in an if or a try is meant for a certain moment.
-        for statement in function.body:
-            match statement:
-                case ast.Expr(value=ast.Call(func=ast.Attribute(attr=name))) if name in _ENDINGS:
-                    yield (
-                        f"{_quote(statement)} in {function.name} {_ENDINGS[name]} when the "
-                        "callback runs for the first time: leave it out."
-                    )
 
 
 def _integer_quotients(function: Function) -> Iterator[str]:
@@ -679,7 +535,7 @@ def _integer_quotients(function: Function) -> Iterator[str]:
     for node in ast.walk(function):
         match node:
             case ast.BinOp(op=ast.FloorDiv()) if id(node) not in whole:
-                yield f"{_quote(node)} leaves out the fraction: is a whole number meant? / divides."
+                yield f"{quote(node)} leaves out the fraction: is a whole number meant? / divides."
 
 
 def _cut_quotients(function: Function) -> Iterator[str]:
@@ -728,26 +584,101 @@ def _odd_operators(function: Function) -> Iterator[str]:
     for node in ast.walk(function):
         match node:
             case ast.BinOp(left=ast.Constant(value=1), op=ast.FloorDiv()):
-                yield f"{_quote(node)} is 0 for every number above 1: / divides, // leaves out the fraction."
+                yield f"{quote(node)} is 0 for every number above 1: / divides, // leaves out the fraction."
             case ast.Compare(
                 ops=[ast.Is() | ast.IsNot() as operator], comparators=[ast.Constant(value=value)]
             ) if isinstance(value, str | int | float) and not isinstance(value, bool):
                 sign = "==" if isinstance(operator, ast.Is) else "!="
-                yield f"{_quote(node)} tests whether both are one object: compare values with {sign}."
+                yield f"{quote(node)} tests whether both are one object: compare values with {sign}."
+
+
+def _constant_conditions(function: Function) -> Iterator[str]:
+    """Yield a sentence for each condition that is true, or false, for all values."""
+    for node in ast.walk(function):
+        match node:
+            case ast.BoolOp(op=ast.Or(), values=[ast.Compare() as first, *others]) if fixed := [
+                one for one in others if isinstance(one, ast.Constant) and one.value
+            ]:
+                other = ast.unparse(fixed[0])
+                yield (
+                    f"{quote(node)} is always true, because {other} alone is: compare it, too, "
+                    f"{ast.unparse(first.left)} == {other}."
+                )
+            case ast.BoolOp(op=operator, values=[ast.Compare() as first, ast.Compare() as second]):
+                limits = _limits(first), _limits(second)
+                if None in limits or ast.unparse(first.left) != ast.unparse(second.left):
+                    continue
+                (low, high), (other_low, other_high) = limits  # type: ignore[misc]  # None was excluded
+                if isinstance(operator, ast.And) and max(low, other_low) > min(high, other_high):
+                    subject = ast.unparse(first.left)
+                    yield f"{quote(node)} is never true: {subject} cannot be both. Is or meant?"
+                if (
+                    isinstance(operator, ast.Or)
+                    and min(low, other_low) == -math.inf
+                    and (max(high, other_high) == math.inf and max(low, other_low) <= min(high, other_high))
+                ):
+                    yield f"{quote(node)} is true for every number. Is and meant?"
+            case ast.Compare(
+                left=low, ops=[ast.Lt() | ast.LtE(), ast.Lt() | ast.LtE()], comparators=[_, high]
+            ) if _number(low) > _number(high):
+                yield (
+                    f"{quote(node)} is never true, because {ast.unparse(low)} is more than "
+                    f"{ast.unparse(high)}: the smaller limit comes first."
+                )
+
+
+def _limits(node: ast.Compare) -> tuple[float, float] | None:
+    """Return the lowest and the highest value for which a comparison with a number is true, or None."""
+    if len(node.ops) != 1 or math.isnan(value := _number(node.comparators[0])):
+        return None
+    match node.ops[0]:
+        case ast.Lt() | ast.LtE():
+            return -math.inf, value
+        case ast.Gt() | ast.GtE():
+            return value, math.inf
+        case ast.Eq():
+            return value, value
+    return None
+
+
+def _number(node: ast.expr) -> float:
+    """Return the value of a number with its sign, or NaN."""
+    match node:
+        case ast.Constant(value=int() | float() as value):
+            return float(value)
+        case ast.UnaryOp(op=ast.USub(), operand=ast.Constant(value=int() | float() as value)):
+            return -float(value)
+    return math.nan
+
+
+def _replaced_parameters(function: Function) -> Iterator[str]:
+    """Yield a sentence for each parameter that is set to a fixed value before it is read."""
+    parameters = {one.arg for one in function.args.args}
+    for index, statement in enumerate(function.body):
+        match statement:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value) if (
+                name in parameters
+                and not any(_uses(one, name) for one in function.body[:index])
+                and _is_literal(value)
+            ):
+                yield (
+                    f"{quote(statement)} replaces the {name} that {function.name} gets with each "
+                    "call: leave it out."
+                )
+
+
+def _is_literal(node: ast.expr) -> bool:
+    try:
+        ast.literal_eval(node)
+    except (ValueError, TypeError):
+        return False
+    return True
 
 
 def _unreachable(block: Sequence[ast.stmt]) -> Iterator[str]:
     for statement, after in pairwise(block):
         if isinstance(statement, ast.Return):
-            yield f"{_quote(after)} comes after {_quote(statement)} and never runs."
-
-
-def _attributes_of_self(cls: ast.ClassDef) -> set[str]:
-    return {
-        node.attr
-        for node in ast.walk(cls)
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self"
-    }
+            yield f"{quote(after)} comes after {quote(statement)} and never runs."
 
 
 def _lost_locals(function: Function, attributes: set[str]) -> Iterator[str]:

@@ -5,8 +5,7 @@ ambiguous, by the mistake with which the raising code has marked the exception.
 
 The hint for a syntax error names the cause that Python's own message does not explain to a
 beginner. It is found by the parser's message and the line at which the parser stops. Typical causes
-are text pasted from web pages, chats and C++, the decimal comma of many languages, and commands of
-a terminal.
+are text from web pages, chats and C++, decimal commas, and commands of a terminal.
 """
 
 import builtins
@@ -148,6 +147,8 @@ _NONE_VALUE = (
 )
 # The fields of messages that consist of a few numbers.
 _NUMBERS_OF = {"Point": "xyz", "Vector3": "xyz", "Quaternion": "xyzw", "ColorRGBA": "rgba"}
+# Methods of a Buffer of tf2.
+_OF_BUFFER = ("can_transform", "lookup_transform", "lookup_transform_async", "transform", "set_transform")
 # The table of attributes that rclpy lacks: its patterns match
 # "rclpy.time.Time.now", not an exception's text.
 _OF_RCLPY = "OfRclpy"
@@ -181,7 +182,10 @@ def hint(error: BaseException) -> str:
         or near_names.keyword_hint(error)
         or _lifecycle_hint(error, text)
         or near_names.extra_argument_hint(error)
+        or near_names.by_name_hint(error)
         or near_names.constructor_hint(error)
+        or near_names.unnamed_field_hint(error)
+        or near_names.property_hint(error)
         or _super_hint(error, text)
         or _unbound_hint(error, text)
         or _tf_hint(error, text)
@@ -211,7 +215,8 @@ def hint(error: BaseException) -> str:
         return import_hints.import_hint(error)
     is_of_message = not isinstance(error, AttributeError) or _is_message(error.obj)
     if is_of_message and (types := _types_of(error, text)):
-        return _field_hint(types, text.rpartition("attribute '")[2].partition("'")[0])
+        missing = text.rpartition("attribute '")[2].partition("'")[0]
+        return _field_hint(types, missing, near_names.line_of_student(error))
     if isinstance(error, AttributeError):
         frame = near_names.frame_of(error)
         outer = frame.f_globals.get(error.name or "") if frame is not None else None
@@ -229,8 +234,8 @@ def hint(error: BaseException) -> str:
     return ""
 
 
-def _field_hint(types: Sequence[str], attribute: str) -> str:
-    """Return the hint for a field or a constant that a message does not have."""
+def _field_hint(types: Sequence[str], attribute: str, line: str) -> str:
+    """Return the hint for a field or a constant that a message does not have, in a student's line."""
     definitions = [definition(name) for name in types]
     names = [n for one in definitions for n in (*one.constants, *(field.name for field in one.fields))]
     show = f"`%ros2 interface show {types[0]}` lists its fields."
@@ -243,6 +248,9 @@ def _field_hint(types: Sequence[str], attribute: str) -> str:
         return f"did you mean `{lists[0]}.{attribute}`? {show}"
     if attribute == "publish":
         return "this is a message: a publisher sends it, `self.publisher.publish(message)`."
+    called = re.search(rf"\b(self\.\w+)\.{attribute}\(", line)
+    if called and attribute in _OF_BUFFER:
+        return f"{called[1]} is a message here and not a Buffer: look where it is set a second time."
     if attribute == "to_msg":
         return f"this is a message already: leave out .to_msg(). {show}"
     constants = [name for one in definitions for name in one.constants]
@@ -257,6 +265,10 @@ def _field_hint(types: Sequence[str], attribute: str) -> str:
     ]
     exact = [path for path in inner if path.endswith(f".{attribute}")]
     similar = next(iter([*exact, *direct, *inner]), "") or near_names.near_field(attribute, names)
+    # In `pose.position`, where pose is a PoseStamped, the path `pose.position` is no help.
+    student = re.search(rf"\b([\w.]*\b{similar.partition('.')[0]})\.{attribute}\b", line) if similar else None
+    if student and "." in similar:
+        similar = f"{student[1]}.{similar}"
     return f"did you mean `{similar}`? {show}" if similar else show
 
 
@@ -571,7 +583,9 @@ def _shadowed_hint(error: BaseException, text: str) -> str:
     if frame is None or match is None or not isinstance(error, TypeError):
         return ""
     variables = {**frame.f_globals, **frame.f_locals}
-    for name in (*frame.f_code.co_varnames, *frame.f_code.co_names):
+    # A comprehension reads the variables of its function as free variables.
+    code = frame.f_code
+    for name in (*code.co_varnames, *code.co_freevars, *code.co_names):
         is_hidden = hasattr(builtins, name) and name in variables
         if is_hidden and type(variables[name]).__name__ == match[1]:
             return (
@@ -659,6 +673,10 @@ def _type_hint(kind: object) -> str:
     if hasattr(kind, "get_fields_and_field_types") and not isinstance(kind, type):
         name = type(kind).__name__
         return f"pass the class and not an object of it: {name}, without ( )."
+    if isinstance(kind, type) and not hasattr(kind, "get_fields_and_field_types"):
+        name = kind.__name__
+        line = near_names.import_of_interface(name, "")
+        return f"this {name} is of {kind.__module__}: import the message, `{line}`." if line else ""
     return ""
 
 

@@ -25,7 +25,8 @@ from types import CodeType, FrameType, FunctionType, MethodType, ModuleType
 from typing import Any
 
 from course_lib.errors import format_count, join_words
-from course_lib.ros.messages.definitions import definition, type_names
+from course_lib.ros.messages.definitions import FieldDefinition, definition, type_names
+from course_lib.ros.mistakes import Mistake, mistake_of
 
 # Folder of the kit. A class defined in it, in Python or in a library is not from a student.
 _KIT_FOLDER = str(Path(__file__).resolve().parent.parent)
@@ -249,11 +250,13 @@ def name_hint(error: NameError) -> str:
         return f"a block ends where its lines are no longer indented: delete {missing}."
     if inner := _function_that_sets(missing, frame.f_code):
         return f"{missing} is set in the function {inner}, and exists only there: return it from {inner}."
+    # A launch file is a program of its own, which the cells of a notebook do not help.
+    again = "." if is_launch_file(frame) else "; in a notebook run the first cells again."
     if missing in importable:
-        return f"import it: `{importable[missing]}`; in a notebook run the first cells again."
+        return f"import it: `{importable[missing]}`{again}"
     if missing in interfaces() or (missing in known_packages() and "_" in missing):
         module = f"{missing}.{next(iter(interfaces()[missing]))}" if missing in interfaces() else missing
-        return f"import it: `import {module}`; in a notebook run the first cells again."
+        return f"import it: `import {module}`{again}"
     return _similar_name(error, missing, frame, owner, importable)
 
 
@@ -294,15 +297,29 @@ def _similar_name(
         return f"did you mean `self.{similar}`?"
     if similar := nearest(missing, [*vars(builtins), *keyword.kwlist], 0.8):
         return f"did you mean `{similar}`?"
-    # Names of two letters, like re, are similar to any name of three.
-    if similar := nearest(missing, [name for name in importable if len(name) > 2], 0.8):
-        return f"did you mean {similar}? Then import it: `{importable[similar]}`."
+    return _import_hint(missing, importable, line) or _origin_hint(missing, frame)
+
+
+def _origin_hint(missing: str, frame: FrameType) -> str:
+    """Return a question for the origin of a name that resembles no other one, or ""."""
+    if is_launch_file(frame):
+        return f"no line of the launch file defines {missing}. A string is in quotes."
     if parameters := _parameters(frame.f_code):
         return (
             f"{frame.f_code.co_name} gets {parameters}, and knows what the cells above define. "
             f"Where is {missing} from?"
         )
     return ""
+
+
+def _import_hint(missing: str, importable: Mapping[str, str], line: str) -> str:
+    """Return the hint for a name that resembles one of an import, or ""."""
+    # Names of two letters, like re, are similar to any name of three, and a module is followed by
+    # a dot, so that `len(times)` does not mean time.
+    is_module = re.search(rf"\b{missing}\.\w", line) is not None
+    names = [name for name in importable if len(name) > 2 and (is_module or name not in _STDLIB)]
+    similar = nearest(missing, names, 0.8)
+    return f"did you mean {similar}? Then import it: `{importable[similar]}`." if similar else ""
 
 
 def _similar_variable(missing: str, frame: FrameType) -> str:
@@ -587,6 +604,40 @@ def extra_argument_hint(error: BaseException) -> str:
     return f"{name} takes {join_words(names) or 'nothing'} besides self, and {passed_text}: write {call}."
 
 
+def by_name_hint(error: BaseException) -> str:
+    """Return the hint for a call of the kit or of a library whose last values need names, or ""."""
+    match = re.match(
+        r"(?:\w+\.)*?(\w+)(?:\.__init__)?\(\) takes (?:from \d+ to )?(\d+) positional arguments? but (\d+)",
+        str(error),
+    )
+    frame = frame_of(error)
+    if match is None or frame is None or not isinstance(error, TypeError):
+        return ""
+    function = _reachable_object(frame, match[1])
+    # The classes of rclpy have hints with examples.
+    is_of_rclpy = str(getattr(function, "__module__", "")).startswith("rclpy")
+    if is_of_rclpy or (
+        is_student_class(function) if isinstance(function, type) else not _is_of_library(function)
+    ):
+        return ""
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        return ""
+    named = [one.name for one in parameters if one.kind == inspect.Parameter.KEYWORD_ONLY]
+    missing = int(match[3]) - int(match[2])
+    if len(named) < missing:
+        return ""
+    names = named[:3]
+    more = "" if len(names) == len(named) else ", …"
+    return f"{match[1]} takes the last values by name: {', '.join(f'{name}=…' for name in names)}{more}."
+
+
+def _is_of_library(function: object) -> bool:
+    code = getattr(function, "__code__", None)
+    return isinstance(code, CodeType) and not _is_from_student(code.co_filename)
+
+
 def _reachable_object(frame: FrameType, name: str) -> Any:
     """Return the object of a name: a variable, or a method of self or of an object in scope."""
     instance = frame.f_locals.get("self")
@@ -614,6 +665,48 @@ def constructor_hint(error: BaseException) -> str:
     similar = near_field(match[1], fields)
     kind = type(instance).__name__
     return f"did you mean `{similar}`?" if similar else f"the fields of {kind} are {join_words(fields)}."
+
+
+def unnamed_field_hint(error: BaseException) -> str:
+    """Return the hint for values without names that are passed to the class of a message, or "".
+
+    A message of numbers and strings only has an example in the table.
+    """
+    frame = frame_of(error)
+    if mistake_of(error) is not Mistake.UNNAMED_FIELD or frame is None:
+        return ""
+    kind = type(frame.f_locals["self"])
+    fields = definition(kind._TYPE_NAME).fields
+    if not any(field.is_message for field in fields):
+        return ""
+    names: list[str] = []
+    for value in frame.f_locals["positional"]:
+        free = [field.name for field in fields if field.name not in names and _fits(value, field)]
+        if not free:
+            return ""
+        names.append(free[0])
+    return (
+        f"pass each value with the name of its field: "
+        f"{kind.__name__}({', '.join(f'{name}=…' for name in names)})."
+    )
+
+
+def _fits(value: object, field: FieldDefinition) -> bool:
+    """Return whether a value may be meant for a field of a message."""
+    if field.container != "scalar":
+        return isinstance(value, list | tuple) or hasattr(value, "tolist")
+    if field.is_message:
+        return getattr(value, "_TYPE_NAME", None) == field.base
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return isinstance(value, str) if field.base in ("string", "wstring") else is_number
+
+
+def property_hint(error: BaseException) -> str:
+    """Return the hint for a property below a topic that is written with two pairs of brackets, or ""."""
+    found = re.search(r"\[[\"']([\w ]*Topic)[\"']\]\[[\"']([\w ]+)[\"']\]", line_of_student(error))
+    if not isinstance(error, TypeError) or found is None:
+        return ""
+    return f'a property below {found[1]} has one pair of brackets: display["{found[1]}/{found[2]}"].'
 
 
 def near_field(missing: str, names: Sequence[str]) -> str:
@@ -710,8 +803,10 @@ def call_with_fields(name: str) -> str:
     common = [one for one in types if one.partition("/")[0] in COMMON]
     samples = {"float64": "1.0", "float32": "1.0", "string": "'text'", "bool": "True"}
     fields = definition((common or types)[0]).fields[:4]
-    if len(fields) == 1 and fields[0].container != "scalar":
-        return f"{name}({fields[0].name}=[])"
+    lists = [field for field in fields if field.container != "scalar"]
+    # A header is usually set afterwards.
+    if len(lists) == 1 and {field.name for field in fields} <= {lists[0].name, "header"}:
+        return f"{name}({lists[0].name}=[])"
     simple = [f for f in fields if f.container == "scalar" and not f.is_message]
     if len(simple) < len(fields):
         # A nested message needs its own object, which the empty message already has.
@@ -727,17 +822,21 @@ def public_attributes(value: object) -> list[str]:
         return []
 
 
+def is_launch_file(frame: FrameType) -> bool:
+    """Return whether a frame is in a launch file."""
+    return "generate_launch_description" in (*frame.f_globals, frame.f_code.co_name)
+
+
 def _importable(frame: FrameType) -> dict[str, str]:
     """Return the import of each well-known name.
 
     In a launch file, names of launch take precedence.
     """
-    is_launch = "generate_launch_description" in (*frame.f_globals, frame.f_code.co_name)
     messages = {
         name.rpartition("/")[2]: "from {}.{} import {}".format(*name.split("/"))
         for name in reversed(sort_by_likelihood(type_names()))
     }
-    own_imports = {**LAUNCH_IMPORTS, **IMPORTS, **(IN_LAUNCH_FILES if is_launch else {})}
+    own_imports = {**LAUNCH_IMPORTS, **IMPORTS, **(IN_LAUNCH_FILES if is_launch_file(frame) else {})}
     modules = {name: f"import {name}" for name in _STDLIB}
     return {**_kit_names(), **messages, **modules, **own_imports}
 

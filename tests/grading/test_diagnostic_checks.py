@@ -113,7 +113,12 @@ def test_fact_must_have_the_expected_value_and_type(
 
 def test_missing_fact_is_reported(evidence: MakeEvidence) -> None:
     check = expect_fact("threshold", serial=26)
-    assert check.judge(evidence(returns=({},))).message == "the returned dict has no key 'threshold'"
+    assert (
+        check.judge(evidence(returns=({},))).message
+        == "the returned dict has no key 'threshold', it is empty"
+    )
+    other = check.judge(evidence(returns=({"Threshold": 0.5},)))
+    assert other.message == "the returned dict has no key 'threshold', only 'Threshold'"
     for returns in ((), (None,)):
         message = check.judge(evidence(returns=returns)).message
         assert message == "nothing was returned, expected a dict with the key 'threshold'"

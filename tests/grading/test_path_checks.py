@@ -57,7 +57,11 @@ def test_faults_of_a_path_are_reported(evidence: MakeEvidence, wrong: Any, messa
 
 @pytest.mark.parametrize(
     ("count", "kind"),
-    [(4, "a path has one pose too many or too few"), (5, "a path has the wrong number of poses")],
+    [
+        (4, "a path has one pose too many or too few"),
+        (5, "a path has the wrong number of poses"),
+        (1, "a path has too few poses"),
+    ],
 )
 def test_number_of_poses_that_is_off_by_one_is_a_kind_of_its_own(
     evidence: MakeEvidence, count: int, kind: str

@@ -2,7 +2,8 @@
 
 import pytest
 
-from course_lib.grading.slips import find_growing_list, find_hidden_error, find_slip
+from course_lib.grading.node_slips import find_growing_list, find_slip
+from course_lib.grading.slips import find_hidden_error
 from tests.notebooks.graded import WEEKS, cells_of, solution
 
 NODE = """class Lamp(Node):
@@ -105,6 +106,36 @@ SLIPS = [
     ),
     (("return np.matmul(a, b, c)",), "np.matmul multiplies two matrices; the third is where"),
     (("marker.text = '{found.score:.2f} m'",), "the string '{found.score:.2f} m' has names in { }"),
+    (("max(charge, 0.0)", "return charge"), '"max(charge, 0.0)" returns a value and changes nothing'),
+    (("self.poses[-9:]", "return self.poses"), '"self.poses[-9:]" computes a value that is not used'),
+    (("for item in items:", "    use(item)", "    break"), "break ends the loop of tick after its first"),
+    (
+        ("for x, y in items:", "    columns, rows = [], []", "    rows.append(y)", "return min(columns)"),
+        '"columns = []" in the loop empties the list',
+    ),
+    (
+        ("a = b = []", "a.append(1)", "b.append(2)", "return a, b"),
+        '"a = b = []" makes one list with 2 names. Write a, b = [], [].',
+    ),
+    (
+        ("viewer.save_rviz('a.rviz')", "viewer.view = Orbit()", "return viewer"),
+        '"viewer.view = Orbit()" comes after "viewer.save_rviz(\'a.rviz\')"',
+    ),
+    (("if x < 1 and x > 60:", "    return"), '"x < 1 and x > 60" is never true: x cannot be both'),
+    (("if x > 1 or x < 60:", "    return"), '"x > 1 or x < 60" is true for every number'),
+    (("if 60.0 <= x <= 1.0:", "    return"), '"60.0 <= x <= 1.0" is never true, because 60.0 is more'),
+    (
+        ("if kind == 'Path' or 'Map':", "    return"),
+        "\"kind == 'Path' or 'Map'\" is always true, because 'Map' alone is",
+    ),
+    (
+        ("status = DiagnosticStatus()", "self.level = DiagnosticStatus.OK", "self.p.publish(status)"),
+        "self.level = … sets an attribute of the node that nothing reads: is status.level meant?",
+    ),
+    (
+        ("for one in parameters:", "    if one == 'rate':", "        return one.value"),
+        "\"one == 'rate'\" is never true: one is a Parameter, and its name is one.name",
+    ),
 ]
 RIGHT = [
     ("viewer.save_rviz('a.rviz')", "return Path('a.rviz').read_text()"),
@@ -138,12 +169,78 @@ RIGHT = [
     ("return self.buffer.lookup_transform('map', 'base', self.get_clock().now(), timeout)",),
     ("return self.buffer.lookup_transform('map', 'base', message.header.stamp)",),
     ("return np.matmul(a, b)",),
+    ("charge = max(charge, 0.0)", "return charge"),
+    ("for item in items:", "    if item:", "        break"),
+    ("columns, rows = [], []", "for x, y in items:", "    rows.append(y)", "return min(columns)"),
+    ("a = b = 0.0", "a += 1", "b += 2", "return a, b"),
+    ("viewer.view = Orbit()", "viewer.save_rviz('a.rviz')", "return viewer"),
+    ("viewer.save_rviz('a.rviz')", "viewer.view = Orbit()", "viewer.save_rviz('b.rviz')"),
+    ("if x < 1 or x > 60:", "    return"),
+    ("if x > 1 and x < 60:", "    return"),
+    ("if x >= 1 and x <= 1:", "    return"),
+    ("if 1.0 <= x <= 60.0:", "    return"),
+    ("if kind == 'Path' or kind == 'Map':", "    return"),
+    ("name = kind or 'Map'", "return name"),
+    ("status = DiagnosticStatus()", "self.last = status", "self.p.publish(status)"),
 ]
 
 
 @pytest.mark.parametrize(("lines", "sentence"), SLIPS)
 def test_slip_is_reported(lines: tuple[str, ...], sentence: str) -> None:
     assert find_slip(method(*lines)).startswith(sentence)
+
+
+@pytest.mark.parametrize(
+    ("listener", "sentence"),
+    [
+        ("pass", "Nothing puts transforms into self.buffer: create a listener in __init__"),
+        ("TransformListener(Buffer(), self)", '"TransformListener(Buffer(), self)" fills another buffer'),
+        ("TransformListener(self.buffer, self)", ""),
+        ("fill(self)", "Nothing puts transforms into self.buffer"),
+    ],
+)
+def test_buffer_without_a_listener_is_reported(listener: str, sentence: str) -> None:
+    source = method("return self.buffer.can_transform('map', 'base', Time())")
+    assert find_slip(source.replace("self.angle = 0.0", "self.buffer = Buffer(); " + listener)).startswith(
+        sentence
+    )
+
+
+@pytest.mark.parametrize(
+    ("lines", "sentence"),
+    [
+        (("for one in parameters:", "    print(one)"), "tick may end without return, and ROS rejects each"),
+        (
+            ("if parameters:", "    return SetParametersResult(successful=True)"),
+            "tick may end without return",
+        ),
+        (("return SetParametersResult(successful=True)",), ""),
+        (("if parameters:", "    return bad()", "else:", "    return good()"), ""),
+    ],
+)
+def test_parameter_callback_that_returns_nothing_is_reported(lines: tuple[str, ...], sentence: str) -> None:
+    source = method(*lines).replace("self.angle = 0.0", "self.add_on_set_parameters_callback(self.tick)")
+    slip = find_slip(source)
+    assert slip.startswith(sentence) if sentence else slip == ""
+    coroutine = source.replace("def tick", "async def tick")
+    assert find_slip(coroutine).startswith("async makes tick return a coroutine")
+
+
+def test_comparison_with_an_undeclared_parameter_is_reported() -> None:
+    source = method("return [one for one in parameters if one.name == 'framerate']")
+    source = source.replace("self.angle = 0.0", "self.declare_parameter('frame_rate', 1.0)")
+    assert find_slip(source).startswith(
+        "\"one.name == 'framerate'\" is never true: the parameter is declared"
+    )
+    assert find_slip(source.replace("'framerate'", "'frame_rate'")) == ""
+    assert find_slip(source.replace("'framerate'", "'gain'")) == ""
+
+
+def test_parameter_replaced_by_a_fixed_value_is_reported() -> None:
+    source = "def box(k, corners):\n    k = [277.0, 0.0]\n    return k[0] * corners\n"
+    assert find_slip(source).startswith('"k = [277.0, 0.0]" replaces the k that box gets with each call')
+    assert find_slip(source.replace("[277.0, 0.0]", "k[:2]")) == ""
+    assert find_slip(source.replace("    k =", "    if not k:\n        k =")) == ""
 
 
 def test_buffer_created_in_a_callback_is_reported() -> None:

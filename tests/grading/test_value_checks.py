@@ -82,19 +82,21 @@ def test_length_of_a_list_in_a_list_is_a_kind_of_its_own(evidence: MakeEvidence)
         (float("nan"), 0.8, "the value is nan m, expected 0.80 m"),
         (True, 1.0, "the value is True, expected a number"),
         (1, True, "the value is 1, expected True"),
-        ([1, 2], [1, 2, 3], "the value has 2 items, expected 3"),
+        ([1, 2], [1, 2, 3], "the value has 2 items, expected 3: [1, 2]"),
         ([1, 2], [1, 3], "[1] of the value is 2.00 m, expected 3.00 m: 1.00 m too little"),
         ("odom", "map", "the value is 'odom', expected 'map'"),
         (None, 1.0, "the value is None, expected a number"),
         (object(), 1.0, "the value is a object, expected a number"),
         ({}, {"x": 1}, "the value has no 'x'"),
-        ([1], [1, 2], "the value has 1 item, expected 2"),
-        ([1, 2], [], "the value has 2 items, expected none"),
-        ([[1, 2]], [[1, 2], [3, 4]], "the value has 1 item, expected 2"),
+        ([1], [1, 2], "the value has 1 item, expected 2: [1]"),
+        ([1, 2], [], "the value has 2 items, expected none: [1, 2]"),
+        ([[1, 2]], [[1, 2], [3, 4]], "the value has 1 item, expected 2: [[1, 2]]"),
+        ([], [1, 2], "the value has 0 items, expected 2"),
+        ([["a" * 90]], [1, 2], "the value has 1 item, expected 2"),
         (
             [[1, 2]],
             [1, 2],
-            "the value has 1 item, expected 2: it is a list in a list, leave out the outer [ ]",
+            "the value has 1 item, expected 2: [[1, 2]]: it is a list in a list, leave out the outer [ ]",
         ),
         (3.0, [3.0], "the value is 3.0, expected a list of 1"),
         (None, [], "the value is None, expected an empty list"),
@@ -113,7 +115,7 @@ def test_different_values_fail_with_the_difference(
     [
         ([[0.2], "red"], "the color of a bar is 'red', expected a list of 2"),
         ([[0.3], [0.0, 1.0]], "[0] of the size of a bar is 0.30, expected 0.20: 0.1000 too much"),
-        ([[0.2]], "a bar has 1 item, expected 2"),
+        ([[0.2]], "a bar has 1 item, expected 2: [[0.2]]"),
         (0.2, "a bar is 0.2, expected a list of 2"),
     ],
 )
@@ -122,6 +124,26 @@ def test_named_components_of_a_value_are_reported_by_name(
 ) -> None:
     check = expect_value([[0.2], [0.0, 1.0]], name="a bar", parts=("size", "color"))
     assert check.judge(evidence(returns=(plain(value),))).message == message
+
+
+@pytest.mark.parametrize(
+    ("value", "expected", "message", "mistake"),
+    [
+        (50.0, 0.05, "1000 times too much", "a value is in another unit"),
+        (-0.002, -0.2, "100 times too little", "a value is in another unit"),
+        (5e8, 0.5, "1000000000 times too much", "a value is in another unit"),
+        (1.0, 0.0, "1.00 too much", "a value is wrong"),
+        (3.0, 0.5, "2.50 too much", "a value is wrong"),
+        (141.0, 141.03, "0.0300 too little", "a value is rounded"),
+        (2.0, 1.5, "0.50 too much", "a value is wrong"),
+        (141.0, 142.0, "1.00 too little", "a value is wrong"),
+    ],
+)
+def test_other_unit_and_missing_fraction_are_kinds_of_their_own(
+    evidence: MakeEvidence, value: float, expected: float, message: str, mistake: str
+) -> None:
+    verdict = expect_value(expected).judge(evidence(returns=(value,)))
+    assert (verdict.message.rpartition(": ")[2], verdict.mistake) == (message, mistake)
 
 
 def test_wrong_sign_is_reported_without_the_value(evidence: MakeEvidence) -> None:

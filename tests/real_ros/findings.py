@@ -142,7 +142,7 @@ SMALL = {
     "an instance as the type of a topic": (
         "row A message instead of its class, `create_publisher(String(), …)`",
     ),
-    "assigning a constant": ("row Assigning a constant, `Marker.CUBE = 7`",),
+    "assigning a constant": ("probe corners corner.constant_of_the_class",),
     "copying a profile": ("probe graphs profile.deeply_copied", "probe objects qos.equal_to_copy"),
     "policies that are unknown": (
         "probe corners corner.unknown_reliability",

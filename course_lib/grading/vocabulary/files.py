@@ -85,16 +85,34 @@ def expect_launch_node(
         yield Problem(text, "a node in the launch file has another name")
     misfits = list(_check_options(record, node, options or {}))
     if node.death and not misfits:
-        yield Problem(f"ros2 launch reports: {node.death}", "a node of the launch file ends with an error")
+        reason = "; ".join(filter(None, [_last_line(evidence.output, node), node.death]))
+        yield Problem(f"ros2 launch reports: {reason}", "a node of the launch file ends with an error")
     yield from misfits
+
+
+def _last_line(output: str, node: StartedNode) -> str:
+    """Return the last line that a failed node printed, which states the reason, or ""."""
+    prefix = node.death.partition("]")[0] + "]"
+    lines = [line for line in output.splitlines() if line.startswith(f"{prefix} ")]
+    return lines[-1] if lines else ""
 
 
 def _launch_record(evidence: Evidence, call: int) -> LaunchRecord:
     """Return the record of a launch, or raise a Problem if there is none."""
-    record = LaunchRecord.from_plain(evidence.returns[call]) if call < len(evidence.returns) else None
+    value = evidence.returns[call] if call < len(evidence.returns) else None
+    record = LaunchRecord.from_plain(value)
     if record is None:
-        raise Problem("no launch file was returned", "there is no launch file")
+        raise Problem(_describe_missing_text(value, "launch file"), "there is no launch file")
     return record
+
+
+def _describe_missing_text(value: Any, kind: str) -> str:
+    """Return a sentence about a value that was returned instead of a file's text."""
+    if value is None or value == RAISED or (isinstance(value, str) and not value.strip()):
+        return f"no {kind} was returned"
+    is_object = isinstance(value, dict) and list(value) == ["object"]
+    name = value["object"] if is_object else f"a {type(value).__name__}"
+    return f"{name} was returned, expected the text of the {kind}, a string"
 
 
 def _require_success(record: LaunchRecord) -> None:
@@ -118,9 +136,16 @@ def _check_options(
         else:
             is_right = value == expected or (isinstance(expected, float) and _is_equal(value, expected))
         if not is_right:
-            text = (
-                f"the argument after {option!r} of {node.executable} is {value!r}, expected {str(expected)!r}"
-            )
+            text = f"the argument after {option!r} of {node.executable} is {value!r}"
+            if value is None:
+                own = f"it has {list(node.arguments)}" if node.arguments else "it has no arguments"
+                text = f"{node.executable} has no {option!r} with a value after it, {own}"
+            if isinstance(expected, str) and expected.startswith("$("):
+                argument = expected[2:-1]
+                expected_text = f"the value of the argument {argument}, LaunchConfiguration({argument!r})"
+            else:
+                expected_text = repr(str(expected))
+            text = f"{text}, expected {expected_text}"
             yield Problem(text, "the arguments of a node in the launch file are wrong")
 
 
@@ -362,11 +387,15 @@ def _samples(
 def _read_layout(evidence: Evidence, call: int) -> Layout:
     """Return the submitted layout, or raise a Problem if it is not a layout."""
     text = evidence.returns[call] if call < len(evidence.returns) else None
-    if isinstance(text, dict) and list(text) == ["object"] and text != RAISED:
-        message = f"{text['object']} was returned, expected the text of the .rviz file, a string"
-        raise Problem(f"{message}: read it with Path(...).read_text()", "no text of a file was returned")
     if not isinstance(text, str) or not text.strip():
+        message = _describe_missing_text(text, ".rviz file")
+        if not message.startswith("no "):
+            message = f"{message}: read it with Path(...).read_text()"
+            raise Problem(message, "no text of a file was returned")
         raise Problem("no layout was returned", "there is no layout")
+    if "\n" not in text and text.strip().endswith(".rviz"):
+        message = f"{text.strip()!r} is the name of a file, expected its text"
+        raise Problem(f"{message}: read it with Path(...).read_text()", "no text of a file was returned")
     if len(text) > MAX_TEXT:
         raise Problem(f"the layout has {len(text)} characters", "the layout is too long")
     layout = _parse(text)

@@ -434,6 +434,8 @@ def expect_path(
         message = f"the last path on {topic} has {format_count(len(path.poses), 'pose')}, expected {count}"
         if abs(len(path.poses) - count) == 1:
             return [Problem(message, "a path has one pose too many or too few")]
+        if len(path.poses) < count:
+            return [Problem(message, "a path has too few poses")]
         return [Problem(message, "a path has the wrong number of poses")]
     for which, one, expected in zip(("first", "last"), (path.poses[0], path.poses[-1]), ends, strict=True):
         place = one.pose.position

@@ -10,7 +10,7 @@ from itertools import pairwise
 from statistics import median
 from typing import Any
 
-from course_lib.displays.images import is_supported
+from course_lib.displays.images import is_supported, row_bytes
 from course_lib.errors import CourseError, format_count
 from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.run.outcome import RAISED, plain
@@ -278,7 +278,11 @@ def expect_images(evidence: Evidence, topic: str) -> Iterable[Problem]:
         ]
     # Later images may be recorded without their pixels.
     first, size = images[0], images[0].step * images[0].height
-    if size < KEPT and (first.step < first.width or len(first.data) != size):
+    if first.step < (needed := row_bytes(first.encoding, first.width)):
+        row = f"{first.width} pixels of {first.encoding!r} in {first.step} bytes (step)"
+        message = f"the first image on {topic} has rows of {row}, expected {needed} or more"
+        return [Problem(message, "the data of an image has the wrong length")]
+    if size < KEPT and len(first.data) != size:
         message = f"{len(first.data)} bytes of data for {first.height} rows of {first.step} bytes (step)"
         return [
             Problem(f"the first image on {topic} has {message}", "the data of an image has the wrong length")
@@ -408,6 +412,7 @@ DIGESTS = {
 }
 TOPIC, ARRAY = "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray"
 LEVELS = ("OK", "WARN", "ERROR", "STALE")
+MAX_KEYS = 120  # characters of the keys in a message
 LAST_WEIGHT = 0.3  # relative weight of the last part
 SETTLED = 1.005  # [s] delay until a part of the run appears in a report that is published every second
 
@@ -469,7 +474,9 @@ def expect_level(
     ):
         return [Problem(gap.message, "a status is missing")]
     for status in statuses:
-        reported = LEVELS[min(status.level[0], len(LEVELS) - 1)]
+        number = status.level[0]
+        # b"0" is the character, whose number is 48.
+        reported = LEVELS[number] if number < len(LEVELS) else f"{number}, which is not a level,"
         if reported != level:
             return [Problem(f"the level is {reported} {when}, expected {level}", "a level is wrong")]
         if says not in status.message.lower():
@@ -505,13 +512,16 @@ def expect_fact(evidence: Evidence, name: str, *, serial: int) -> Iterable[Probl
     Messages never reveal the expected value.
     """
     facts: Any = evidence.returns[0] if evidence.returns else None
-    is_object = isinstance(facts, dict) and list(facts) == ["object"] and facts != RAISED
+    if facts == RAISED:
+        return [Problem(f"{name} is missing: the call raised an exception", "a value is missing")]
+    is_object = isinstance(facts, dict) and list(facts) == ["object"]
     if facts is None or isinstance(facts, list | str) or is_object:
         kind = "nothing" if facts is None else facts["object"] if is_object else f"a {type(facts).__name__}"
         message = f"{kind} was returned, expected a dict with the key {name!r}"
         return [Problem(message, "a value is of the wrong kind")]
     if not isinstance(facts, dict) or name not in facts:
-        return [Problem(f"the returned dict has no key {name!r}", "a fact is missing")]
+        own = f"only {', '.join(map(repr, facts))}"[:MAX_KEYS] if facts else "it is empty"
+        return [Problem(f"the returned dict has no key {name!r}, {own}", "a fact is missing")]
     if is_fact(serial, name, facts[name]):
         return []
     value = facts[name]

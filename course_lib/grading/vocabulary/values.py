@@ -20,6 +20,9 @@ from course_lib.ros.programs.parameter_yaml import read_text
 
 WRONG, WRONG_KIND = "a value is wrong", "a value is of the wrong kind"
 WRONG_ORDER, NOT_CALLED = "values are in the wrong order", "a value is a function that is not called"
+OTHER_UNIT = "a value is in another unit"
+# Between m and mm, s and ms; m and cm, a fraction and percent; s and ns.
+_UNIT_FACTORS = (1000, 100, 10**9)
 _INDEX = re.compile(r"(\[.*?\]) of (.*)", re.DOTALL)  # name of an item: its index, and the list's name
 LONGEST = 10_000  # characters of a parameters file
 EVERY_NODE = "/**"
@@ -171,6 +174,10 @@ def _compare_lists(
 ) -> Iterator[Problem]:
     if len(value) != len(expected):
         message = f"{name} has {format_count(len(value), 'item')}, expected {len(expected) or 'none'}"
+        items = _shorten(_rounded(value))
+        # A part of a table says little.
+        if value and not (items.endswith("...") and any(isinstance(item, list | dict) for item in value)):
+            message = f"{message}: {items}"
         is_nested = len(value) == 1 and isinstance(value[0], list) and len(value[0]) == len(expected)
         # A row of a table is a list, too.
         if is_nested and not any(isinstance(item, list) for item in expected):
@@ -202,12 +209,16 @@ def _order_problem(
     )
     if not is_opposite and not _is_permutation(value, expected, tolerance):
         return None
-    rounded = (
-        [float(f"{one:.4g}") if isinstance(one, float) else one for one in row] for row in (value, expected)
-    )
-    actual, expected_text = map(_shorten, rounded)
+    actual, expected_text = map(_shorten, map(_rounded, (value, expected)))
     order = "the order is the other way round" if is_opposite else "the order is another one"
     return Problem(f"{name} is {actual}, expected {expected_text}: {order}", WRONG_ORDER)
+
+
+def _rounded(value: Any) -> Any:
+    """Return a value with four digits of each number in its lists, to display it."""
+    if isinstance(value, list):
+        return [_rounded(item) for item in value]
+    return float(f"{value:.4g}") if isinstance(value, float) else value
 
 
 def _is_permutation(value: list[Any], expected: list[Any], tolerance: float) -> bool:
@@ -243,8 +254,22 @@ def _number_problem(value: float, expected: float, unit: str, name: str) -> Prob
         return Problem(f"{actual}: is it in degrees instead of radians?", "a value is in degrees")
     if unit == "rad" and math.isclose(abs(value - expected), math.pi, abs_tol=1e-3):
         return Problem(f"{actual}: half a turn off", "an angle is wrong by half a turn")
+    for factor in _UNIT_FACTORS if abs(expected) > 1e-9 else ():
+        if math.isclose(value, expected * factor, rel_tol=1e-3):
+            return Problem(f"{actual}: {factor} times too much", OTHER_UNIT)
+        if math.isclose(value * factor, expected, rel_tol=1e-3):
+            return Problem(f"{actual}: {factor} times too little", OTHER_UNIT)
+    offset = f"{actual}: {describe_offset(value, expected, 'too much', 'too little', unit)}"
+    # A small whole number is more often computed than rounded.
+    if (
+        abs(value) >= 10
+        and value == round(value)
+        and expected != round(expected)
+        and abs(value - expected) < 1
+    ):
+        return Problem(offset, "a value is rounded")
     mistake = "a value has the wrong sign" if math.isclose(value, -expected, rel_tol=1e-3) else WRONG
-    return Problem(f"{actual}: {describe_offset(value, expected, 'too much', 'too little', unit)}", mistake)
+    return Problem(offset, mistake)
 
 
 def _normalize(text: str) -> str:

@@ -394,7 +394,21 @@ class _SlotTypes:
         return tuple(slot_type(field) for field in fields if field.name != PLACEHOLDER)
 
 
-class RosMessage:
+class _MessageMeta(type):
+    """Base class of the metaclasses of message classes, which keep their constants and fields.
+
+    A program that forgets the parentheses, as in `marker = Marker`, sets fields of the class. In a
+    notebook, a replaced descriptor would break all messages of this type until the kernel restarts.
+    """
+
+    def __setattr__(cls, name: str, value: object) -> None:
+        if name in vars(cls).get("_CONSTANTS", ()):
+            raise AttributeError(f"property {name!r} of {type(cls).__name__!r} object has no setter")
+        if name not in vars(cls).get("_KINDS", ()):
+            super().__setattr__(name, value)
+
+
+class RosMessage(metaclass=_MessageMeta):
     """Base class of messages. The class stores the kinds of its fields, the slots store the values.
 
     Without `check_fields`, assignments are not checked. That is the default in Jazzy, where
@@ -550,12 +564,16 @@ def message_class(type_name: str) -> type[RosMessage]:
         "__slots__": slots,
         "_TYPE_NAME": type_name,
         "_KINDS": kinds,
+        "_CONSTANTS": frozenset(message_definition.constants),
         "_SLOTS": slots,
         "__init__": constructor(kinds, RosMessage.__init__),
         "_fields_and_field_types": {field.name: ros_type(field) for field in fields},
     }
     accessors = {name: _accessor(name, kind) for name, kind in kinds.items()}
-    return type(name, (RosMessage,), {**namespace, **message_definition.constants, **defaults, **accessors})
+    parts = {**namespace, **message_definition.constants, **defaults, **accessors}
+    metaclass = type(f"Metaclass_{name}", (_MessageMeta,), {"__module__": namespace["__module__"]})
+    message: type[RosMessage] = metaclass(name, (RosMessage,), parts)
+    return message
 
 
 def type_name(message: RosMessage | type[RosMessage]) -> str:

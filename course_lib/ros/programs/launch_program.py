@@ -454,9 +454,11 @@ class LaunchProgram(Process):
             try:
                 if not hasattr(entity, "visit"):
                     kind = type(entity).__name__
+                    # The repr of an object says less than its class.
+                    what = repr(entity) if isinstance(entity, str | int | float) else f"a {kind}"
                     raise AttributeError(
                         f"'{kind}' object has no attribute 'visit': expected an action such as "
-                        f"Node(…), not {entity!r:.60}"
+                        f"Node(…), not {what:.60}"
                     )
                 inner = entity.visit(self._context)
             except Exception as error:

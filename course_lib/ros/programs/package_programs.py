@@ -94,7 +94,7 @@ def find_executable(
         *(name for owner, name in kit_executables if owner == package),
     ]
     if not names and package_found is None:
-        raise NotHereError(not_found_reason(package))
+        raise NotHereError(not_found_reason(package, {owner for owner, _ in kit_executables}))
     advice = ""
     if package_found is not None:
         advice = malformed_script(package_found.share / "setup.py") or (

@@ -20,7 +20,7 @@ import sys
 import tempfile
 import tomllib
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
@@ -360,8 +360,11 @@ def prefix_of(share: Path) -> Path:
     return share.parent.parent if share.parent.name == "share" else share.parent
 
 
-def not_found_reason(name: str) -> str:
-    """Explain that a package is missing, list the available packages, and explain how to add it."""
+def not_found_reason(name: str, others: Collection[str] = ()) -> str:
+    """Explain that a package is missing, list the available packages, and explain how to add it.
+
+    `others` are packages of which the kit has executables.
+    """
     if reason := unavailable_reason(name):
         return f"package '{name}' not found: {reason}"
     if reason := _skipped_folder_reason(name):
@@ -369,7 +372,7 @@ def not_found_reason(name: str) -> str:
     if reason := clone_instructions(name):
         return f"package '{name}' not found: {reason}."
     names = list(packages())
-    suggestion = did_you_mean(name, names) or "."
+    suggestion = did_you_mean(name, [*names, *others]) or "."
     more = f" and {len(names) - _MOST_NAMES} more (ros2 pkg list)" if len(names) > _MOST_NAMES else ""
     searched = list(dict.fromkeys(map(str, [*_paths_in_variable("AMENT_PREFIX_PATH"), *source_roots()])))
     return (

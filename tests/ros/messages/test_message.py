@@ -3,6 +3,7 @@ import math
 import pickle
 from array import array
 from inspect import signature
+from typing import Any
 
 import numpy as np
 import pytest
@@ -59,6 +60,17 @@ def test_constants_are_available_on_class_and_instance() -> None:
     assert ParameterType.PARAMETER_STRING == 4
     with pytest.raises(AttributeError):
         Marker().CUBE = 5  # type: ignore[misc]
+    with pytest.raises(AttributeError, match="property 'CUBE' of 'Metaclass_Marker' object has no setter"):
+        Marker.CUBE = 5  # type: ignore[misc]
+
+
+def test_field_set_on_a_class_does_not_change_its_messages() -> None:
+    marker: Any = Marker
+    marker.header, marker.points = Header(frame_id="map"), [Point()]
+    assert (Marker(id=3).id, Marker().points, Marker().header.frame_id) == (3, [], "")
+    marker.note = "an attribute of its own"
+    assert marker.note == "an attribute of its own"
+    del marker.note
 
 
 def test_repr_agrees_with_ros() -> None:

@@ -65,6 +65,7 @@ executor, node = rclpy.executors.SingleThreadedExecutor(), Robot()
 parameter = rclpy.parameter.Parameter("speed", value=1.0)
 self.publisher = robot.create_publisher(Marker, '/a_topic', 10)
 publisher = angle = get_logger = spin = 0
+pose = PoseStamped()
 """
 # Names that a hint suggests: an attribute or a field of an object that the hint does not repeat.
 FIELDS = {

@@ -5,7 +5,18 @@ MESSAGES = [
     (
         "Marker('a', 1)",
         "TypeError: Marker.__init__() takes 1 positional argument but 3 were given",
-        "pass each value with the name of its field, as in `Marker(ns='a_name', id=1)`.",
+        "pass each value with the name of its field: Marker(ns=…, id=…).",
+    ),
+    (
+        "from visualization_msgs.msg import MarkerArray\nMarkerArray([Marker()])",
+        "TypeError: MarkerArray.__init__() takes 1 positional argument but 2 were given",
+        "pass each value with the name of its field: MarkerArray(markers=…).",
+    ),
+    (
+        "pose = PoseStamped()\npose.position.x = 1.0",
+        "AttributeError: 'PoseStamped' object has no attribute 'position'",
+        "did you mean `pose.pose.position`? `%ros2 interface show geometry_msgs/msg/PoseStamped` "
+        "lists its fields.",
     ),
     (
         "Marker().id = (1.0, 0.0, 0.0)",
@@ -131,7 +142,8 @@ MESSAGES = [
     (
         "Marker().points.x",
         "AttributeError: 'list' object has no attribute 'x'",
-        "it contains several items: select one, like [0], or loop over it with for.",
+        "this is a list: select one of its items, like [0], or loop over it with for. If none is "
+        "meant, look where it was set.",
     ),
     (
         "open('no_such.rviz')",

@@ -172,7 +172,7 @@ NAMES = [
     (
         "def generate_launch_description():\n    return LaunchDescription([])\ngenerate_launch_description()",
         undefined("LaunchDescription"),
-        "import it: `from launch import LaunchDescription`; in a notebook run the first cells again.",
+        "import it: `from launch import LaunchDescription`.",
     ),
     (
         ROBOT.format(line="publisher.publish(String())"),

@@ -3,6 +3,58 @@
 # (program, last line of the error, hint below it)
 PLAIN_PYTHON = [
     (
+        "async def chosen():\n    return [1]\nfor item in chosen():\n    pass",
+        "TypeError: 'coroutine' object is not iterable",
+        "an async function has no result yet: leave out async, or write await before the call.",
+    ),
+    (
+        "def limit():\n    return 1.0\nlimit < 2.0",
+        "TypeError: '<' not supported between instances of 'function' and 'float'",
+        "one side is a function that is not called: are its ( ) missing?",
+    ),
+    (
+        "def limit():\n    return 1.0\n2.0 < limit",
+        "TypeError: '<' not supported between instances of 'float' and 'function'",
+        "one side is a function that is not called: are its ( ) missing?",
+    ),
+    (
+        "rows = list\nrows.append([1.0])",
+        "TypeError: list.append() takes exactly one argument (0 given)",
+        "append takes one item, in ( ). If one is there, the name stands for the class list itself: "
+        "an empty list is `[]`.",
+    ),
+    (
+        "{1.0, 2.0}[0]",
+        "TypeError: 'set' object is not subscriptable",
+        "{ } with single values makes a set, which has no order and no [ ]: a list has [ ].",
+    ),
+    (
+        "filter(bool, [1, 2])[:1]",
+        "TypeError: 'filter' object is not subscriptable",
+        "a filter has no [ ]: make a list of it first, with list( ).",
+    ),
+    (
+        "import json\njson.loads('Panels:')",
+        "json.decoder.JSONDecodeError: Expecting value: line 1 column 1 (char 0)",
+        "the text is not JSON: print it. An .rviz or .yaml file is YAML, which yaml.safe_load(text) reads.",
+    ),
+    (
+        "from datetime import time as Time\nTime.from_msg(None)",
+        "AttributeError: type object 'datetime.time' has no attribute 'from_msg'",
+        "this is the time of datetime. `from rclpy.time import Time` imports that of ROS.",
+    ),
+    (
+        "def lowest(items):\n    round = 3\n    return [round(item) for item in items]\nlowest([1.5])",
+        "TypeError: 'int' object is not callable",
+        "round is a variable here, round = …, and hides Python's round(): choose another name for it. "
+        "In a notebook, del round gives back Python's own.",
+    ),
+    (
+        "def rows(heard):\n    return len(times)\nrows({})",
+        "NameError: name 'times' is not defined",
+        "rows gets heard, and knows what the cells above define. Where is times from?",
+    ),
+    (
         "[1, 2]['a']",
         "TypeError: list indices must be integers or slices, not str",
         "a list has numbers as indices: [0] is its first item. A name in quotes is a key of a dictionary.",

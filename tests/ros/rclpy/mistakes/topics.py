@@ -47,7 +47,8 @@ TOPICS = [
     ),
     (
         "node.create_publisher(String, 'chatter', 10).publish(String)",
-        "TypeError: Expected <class 'std_msgs.msg._string.String'>, got <class 'type'>",
+        "TypeError: Expected <class 'std_msgs.msg._string.String'>, got "
+        "<class 'std_msgs.msg._string.Metaclass_String'>",
         "create an object: `String()`, with ().",
     ),
     (

@@ -1,0 +1,377 @@
+"""Slips in the classes of nodes that raise no error, and the first slip of a student's code."""
+
+import ast
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from difflib import get_close_matches
+from functools import cache
+
+from course_lib.grading.slips import Function, created_object, function_slips, parse, quote, root_of
+from course_lib.ros.messages.definitions import definition, type_names
+
+# Objects that receive messages only after they are created. A publisher that is created in a
+# callback does send, so it is never the reason that a check fails.
+_RECEIVERS = {"Buffer", "TransformListener", "create_subscription"}
+
+
+def find_slip(source: str) -> str:
+    """Return a sentence about the first slip in the code, or ""."""
+    tree = parse(source)
+    for outer in ast.walk(tree):
+        if isinstance(outer, ast.ClassDef):
+            for slip in (
+                *_renewed_receivers(outer),
+                *_unfilled_buffers(outer),
+                *_replaced_methods(outer),
+                *_odd_parameter_callbacks(outer),
+                *_undeclared_names(outer),
+            ):
+                return slip
+        attributes = _attributes_of_self(outer) if isinstance(outer, ast.ClassDef) else set()
+        functions = outer.body if isinstance(outer, ast.ClassDef | ast.Module) else []
+        for function in functions:
+            if isinstance(function, Function):
+                for slip in function_slips(function, attributes):
+                    return slip
+        if isinstance(outer, ast.ClassDef):
+            for slip in (
+                *_repeated_timers(outer),
+                *_destructive_callbacks(outer),
+                *_generators(outer),
+                *_misspelled_attributes(outer),
+                *_fields_of_node(outer),
+            ):
+                return slip
+    return ""
+
+
+def _callbacks_of(cls: ast.ClassDef) -> Iterator[Function]:
+    """Yield the methods of a class that are passed as callbacks."""
+    called = [node.func for node in ast.walk(cls) if isinstance(node, ast.Call)]
+    passed = {
+        node.attr
+        for node in ast.walk(cls)
+        if isinstance(node, ast.Attribute) and node not in called and root_of(node) == "self"
+    }
+    for function in cls.body:
+        if isinstance(function, Function) and function.name in passed - {"__init__"}:
+            yield function
+
+
+def _renewed_receivers(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each buffer, listener or subscription created in a callback."""
+    for function in _callbacks_of(cls):
+        for node in ast.walk(function):
+            match node:
+                case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in _RECEIVERS:
+                    yield (
+                        f"{quote(node)} is in {function.name}: each call creates a new one, "
+                        "which has received nothing yet. Create it once, in __init__."
+                    )
+
+
+def _unfilled_buffers(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each buffer into which no listener puts transforms."""
+    created = {
+        ast.unparse(target)
+        for node in ast.walk(cls)
+        if isinstance(node, ast.Assign)
+        for target, value in _pairs(node)
+        if isinstance(value, ast.Call) and ast.unparse(value.func) == "Buffer"
+    }
+    listeners = [
+        node
+        for node in ast.walk(cls)
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "TransformListener"
+    ]
+    filled = {ast.unparse(argument) for one in listeners for argument in one.args[:1]}
+    for buffer in sorted(created - filled):
+        call = f"TransformListener({buffer}, self)"
+        # A variable may be handed on, as to a function that makes the listener.
+        asked = (f"{buffer}.lookup_transform", f"{buffer}.can_transform", f"{buffer}.transform")
+        if not buffer.startswith("self.") or not any(
+            isinstance(node, ast.Attribute) and ast.unparse(node) in asked for node in ast.walk(cls)
+        ):
+            continue
+        if not listeners:
+            yield f"Nothing puts transforms into {buffer}: create a listener in __init__, {call}."
+        elif all(isinstance(one.args[0], ast.Call) for one in listeners if one.args):
+            yield f"{quote(listeners[0])} fills another buffer than {buffer}: write {call}."
+
+
+def _pairs(node: ast.Assign) -> list[tuple[ast.expr, ast.expr]]:
+    """Return each target of an assignment with its value, as in `self.poses, self.buffer = [], Buffer()`."""
+    match node:
+        case ast.Assign(targets=[ast.Tuple(elts=targets)], value=ast.Tuple(elts=values)) if len(
+            targets
+        ) == len(values):
+            return list(zip(targets, values, strict=True))
+    return [(target, node.value) for target in node.targets]
+
+
+def _odd_parameter_callbacks(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each parameter callback that does not return a result at its end."""
+    methods = {one.name: one for one in cls.body if isinstance(one, Function)}
+    result = "return SetParametersResult(successful=True)"
+    for node in ast.walk(cls):
+        match node:
+            case ast.Call(
+                func=ast.Attribute(attr="add_on_set_parameters_callback"), args=[ast.Attribute(attr=name)]
+            ) if name in methods:
+                if isinstance(methods[name], ast.AsyncFunctionDef):
+                    yield (
+                        f"async makes {name} return a coroutine, for which ROS rejects each value: "
+                        "leave async out."
+                    )
+                elif _may_end_without_return(methods[name].body):
+                    yield (
+                        f"{name} may end without return, and ROS rejects each value for which it "
+                        f"returns nothing: end it with {result}."
+                    )
+
+
+def _may_end_without_return(block: Sequence[ast.stmt]) -> bool:
+    match block[-1]:
+        case ast.Return() | ast.Raise():
+            return False
+        case ast.If(body=body, orelse=[_, *_] as other):
+            return _may_end_without_return(body) or _may_end_without_return(other)
+        case ast.With(body=body):
+            return _may_end_without_return(body)
+        case ast.Try(body=body, handlers=handlers, orelse=orelse):
+            return any(_may_end_without_return(one) for one in (orelse or body, *(h.body for h in handlers)))
+        # A loop that ends with return has a slip of its own.
+        case ast.For(body=body):
+            return _may_end_without_return(body)
+        case ast.While(test=ast.Constant(value=True)):
+            return False
+    return True
+
+
+def _undeclared_names(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each comparison of a parameter, or of its name, that is never true."""
+    declared = {
+        name
+        for node in ast.walk(cls)
+        if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "declare_parameter"
+        for argument in node.args[:1]
+        if isinstance(argument, ast.Constant) and isinstance(name := argument.value, str)
+    }
+    for node in ast.walk(cls):
+        match node:
+            case ast.Compare(
+                left=ast.Attribute(attr="name"),
+                ops=[ast.Eq()],
+                comparators=[ast.Constant(value=str(name))],
+            ) if name not in declared and (near := get_close_matches(name, declared, 1, 0.75)):
+                yield f"{quote(node)} is never true: the parameter is declared as {near[0]!r}."
+            case ast.For(target=ast.Name(id=one), body=body):
+                inner = [part for statement in body for part in ast.walk(statement)]
+                uses = {
+                    part.attr
+                    for part in inner
+                    if isinstance(part, ast.Attribute) and ast.unparse(part.value) == one
+                }
+                for part in inner:
+                    match part:
+                        case ast.Compare(
+                            left=ast.Name(id=left), ops=[ast.Eq()], comparators=[ast.Constant(value=str())]
+                        ) if left == one and uses & {"name", "value"}:
+                            yield (
+                                f"{quote(part)} is never true: {one} is a Parameter, and its name is "
+                                f"{one}.name."
+                            )
+
+
+def _fields_of_node(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each field of a new message that is set on the node instead."""
+    read = {
+        node.attr
+        for node in ast.walk(cls)
+        if isinstance(node, ast.Attribute)
+        and isinstance(node.ctx, ast.Load)
+        and ast.unparse(node.value) == "self"
+    }
+    for function in cls.body:
+        if not isinstance(function, Function) or function.name == "__init__":
+            continue
+        created = [
+            found
+            for one in ast.walk(function)
+            if isinstance(one, ast.stmt) and (found := created_object(one))[0]
+        ]
+        for node in ast.walk(function):
+            match node:
+                case ast.Attribute(value=ast.Name(id="self"), attr=field, ctx=ast.Store()) if (
+                    field not in read
+                ):
+                    owners = [name for name, kind in created if field in _fields_of(kind)]
+                    if len(owners) == 1:
+                        yield (
+                            f"self.{field} = … sets an attribute of the node that nothing reads: "
+                            f"is {owners[0]}.{field} meant?"
+                        )
+
+
+@cache
+def _fields_of(kind: str) -> frozenset[str]:
+    """Return the fields of all message types with a class of this name."""
+    types = [name for name in type_names() if name.endswith(f"/msg/{kind}")]
+    return frozenset(field.name for name in types for field in definition(name).fields)
+
+
+def _generators(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each callback that yields: a call of it runs none of its lines."""
+    for function in _callbacks_of(cls):
+        if any(isinstance(node, ast.Yield | ast.YieldFrom) for node in ast.walk(function)):
+            yield (
+                f"yield makes {function.name} a generator, and a call runs none of its lines: leave it out."
+            )
+
+
+def _misspelled_attributes(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each attribute that is only set and resembles one that is only read."""
+    read: set[str] = set()
+    stored: dict[str, ast.expr] = {}
+    for function in cls.body:
+        if not isinstance(function, Function):
+            continue
+        for node in ast.walk(function):
+            match node:
+                case ast.Attribute(value=ast.Name(id="self"), attr=name, ctx=ast.Load()):
+                    read.add(name)
+                case ast.Attribute(value=ast.Name(id="self"), attr=name) if function.name != "__init__":
+                    stored[name] = node
+    for name in stored.keys() - read:
+        similar = get_close_matches(name, read - stored.keys(), 1, 0.8)
+        if similar:
+            yield (
+                f"self.{name} is set and never read, and self.{similar[0]} is read and never set "
+                "outside of __init__: are they meant to be one?"
+            )
+
+
+def _replaced_methods(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each method that an attribute of the same name replaces."""
+    methods = {node.name for node in cls.body if isinstance(node, Function) and not node.decorator_list}
+    for node in ast.walk(cls):
+        match node:
+            case ast.Assign(targets=[ast.Attribute(value=ast.Name(id="self"), attr=name)], value=value) if (
+                name in methods and not isinstance(value, ast.Lambda)
+            ):
+                yield (
+                    f"{quote(node)} replaces the method {name}, which cannot be called after it: "
+                    "choose another name for one of them."
+                )
+
+
+def find_growing_list(source: str) -> str:
+    """Return a sentence about a list of a node that grows with each call of a callback, or ""."""
+    for cls in ast.walk(parse(source)):
+        if not isinstance(cls, ast.ClassDef):
+            continue
+        created = set[str]()
+        for node in ast.walk(cls):
+            match node:
+                case ast.Assign(
+                    targets=[ast.Attribute(value=ast.Name(id="self")) as target],
+                    value=ast.List(elts=[]) | ast.Call(func=ast.Name(), args=[], keywords=[]),
+                ):
+                    created.add(ast.unparse(target))
+        for function in _callbacks_of(cls):
+            for node in ast.walk(function):
+                match node:
+                    case ast.Call(func=ast.Attribute(value=grown, attr="append" | "extend")):
+                        pass
+                    case ast.AugAssign(target=ast.Attribute() as grown, op=ast.Add(), value=ast.List()):
+                        pass
+                    case _:
+                        continue
+                items = ast.unparse(grown)
+                owner = ".".join(items.split(".")[:2])
+                if owner in created and not _shortens(cls, items, owner):
+                    return (
+                        f"{items} keeps the items of each earlier call of {function.name}: empty "
+                        "it there first, or create a new list in each call."
+                    )
+    return ""
+
+
+def _shortens(cls: ast.ClassDef, items: str, owner: str) -> bool:
+    """Return whether a class shortens or replaces a list outside of __init__."""
+    for function in cls.body:
+        if not isinstance(function, Function) or function.name == "__init__":
+            continue
+        # += stores a list, and makes it longer.
+        longer = [node.target for node in ast.walk(function) if isinstance(node, ast.AugAssign)]
+        for node in ast.walk(function):
+            match node:
+                case ast.Call(func=ast.Attribute(value=changed, attr="clear" | "pop" | "popleft" | "remove")):
+                    pass
+                case ast.Attribute(ctx=ast.Store() | ast.Del()) as changed if changed not in longer:
+                    pass
+                case ast.Subscript(value=changed, slice=ast.Slice()):
+                    pass
+                case ast.Subscript(value=changed, ctx=ast.Store() | ast.Del()):
+                    pass
+                case ast.Call(func=ast.Name(id="len"), args=[changed]):
+                    pass
+                case _:
+                    continue
+            if ast.unparse(changed) in (items, owner):
+                return True
+    return False
+
+
+def _repeated_timers(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for timers that add up: created in a callback, or two with one callback."""
+    for function in _callbacks_of(cls):
+        calls = [node for node in ast.walk(function) if isinstance(node, ast.Call)]
+        methods = {node.func.attr for node in calls if isinstance(node.func, ast.Attribute)}
+        if "create_timer" in methods and not methods & {"destroy_timer", "cancel"}:
+            yield (
+                f"create_timer is in {function.name}: each call creates another timer, and all of "
+                "them run. Create it once, in __init__, or end the old one first, with "
+                "destroy_timer."
+            )
+    callbacks: Counter[str] = Counter()
+    for node in ast.walk(cls):
+        match node:
+            case ast.Call(func=ast.Attribute(attr="create_timer"), args=[_, ast.Attribute() as callback, *_]):
+                callbacks[ast.unparse(callback)] += 1
+    for name, count in callbacks.items():
+        if count > 1 and "destroy_timer" not in ast.unparse(cls):
+            yield f"{count} timers call {name}, so that it runs {count} times: leave one of them."
+
+
+_ENDINGS = {
+    "destroy_node": "ends the node",
+    "shutdown": "ends all nodes",
+    "cancel": "ends the timer",
+    "destroy_timer": "ends the timer",
+    "destroy_publisher": "ends the publisher",
+    "destroy_subscription": "ends the subscription",
+}
+
+
+def _destructive_callbacks(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each callback that ends its node, its timer or its publisher."""
+    for function in _callbacks_of(cls):
+        if "create_timer" in ast.unparse(function):
+            continue
+        # A call in an if or a try is meant for a certain moment.
+        for statement in function.body:
+            match statement:
+                case ast.Expr(value=ast.Call(func=ast.Attribute(attr=name))) if name in _ENDINGS:
+                    yield (
+                        f"{quote(statement)} in {function.name} {_ENDINGS[name]} when the "
+                        "callback runs for the first time: leave it out."
+                    )
+
+
+def _attributes_of_self(cls: ast.ClassDef) -> set[str]:
+    return {
+        node.attr
+        for node in ast.walk(cls)
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self"
+    }
