@@ -5,20 +5,20 @@
 (() => {
   const WIDGET = "application/vnd.jupyter.widget-view+json";
   const UNTRUSTED = "application/x.course-lib.untrusted-widget"; // of a notebook that came from another computer
-  const SAVED = ["text/html", "image/png", "text/plain"]; // in the order of preference
-  const PATIENCE = 600; // [ms] that a widget may take to appear before the saved picture is shown
-  const REPR = /^\w+\(\w+=/; // text/plain of a widget for which nothing was saved
-  const NOTHING = "A control was here. Run its cell to use it again.";
+  const SAVED_TYPES = ["text/html", "image/png", "text/plain"]; // in the order of preference
+  const WIDGET_TIMEOUT = 600; // [ms] that a widget may take to appear before the saved picture is shown
+  const BARE_REPR = /^\w+\(\w+=/; // text/plain of a widget for which nothing was saved
+  const NO_SAVED_OUTPUT = "A control was here. Run its cell to use it again.";
   const CONTINUE = "Continue here";
   const CONTINUE_TITLE = "Run what this cell needs, then the cell itself";
-  const LINE = "As it was when the notebook was saved.";
-  const ENDED = "The kernel has ended.";
-  const OVER = ["dead", "terminating", "restarting", "autorestarting"]; // statuses of a kernel that has ended
-  const INSERTING = 2000; // [ms] that JupyterLab may take to insert an output into its cell
-  const COLUMNS = 88; // of code that stay readable beside a view
-  const SHARE = 0.6; // of the notebook, where a view is beside it
-  const LEAST = 420; // [px] width of a view beside the notebook
-  const VIEWER = "RViz"; // in the title of a panel with a view
+  const AS_SAVED = "As it was when the notebook was saved.";
+  const KERNEL_ENDED = "The kernel has ended.";
+  const ENDED_STATUSES = ["dead", "terminating", "restarting", "autorestarting"]; // statuses of a kernel that has ended
+  const INSERTION_TIMEOUT = 2000; // [ms] that JupyterLab may take to insert an output into its cell
+  const CODE_COLUMNS = 88; // of code that stay readable beside a view
+  const NOTEBOOK_SHARE = 0.6; // of the notebook, where a view is beside it
+  const MIN_VIEW_WIDTH = 420; // [px] width of a view beside the notebook
+  const PANEL_TITLE = "RViz"; // in the title of a panel with a view
 
   /** Modules that JupyterLab shares: name, version, entry. */
   let scope = {};
@@ -44,47 +44,47 @@
 
   /** Return the code cell of an output, which JupyterLab may insert after it has rendered it, or undefined outside cells. */
   async function waitForCell(tracker, widget) {
-    const until = performance.now() + INSERTING;
+    const until = performance.now() + INSERTION_TIMEOUT;
     while (!widget.isDisposed && !cellOf(tracker, widget) && performance.now() < until)
       await new Promise((done) => setTimeout(done, 50)); // [ms]
     return cellOf(tracker, widget);
   }
 
-  /** Run what a cell needs, then the cell; `say` shows what went wrong. */
-  async function continueAt(app, tracker, cell, say) {
+  /** Run what a cell needs, then the cell; `report` shows its progress and errors. */
+  async function continueAt(app, tracker, cell, report) {
     const panel = tracker.find((one) => one.content.widgets.includes(cell));
     if (!panel) return;
     await panel.context.save(); // the kernel reads the cells from the file
     const context = panel.sessionContext;
     if (!context.session?.kernel) {
-      say("Starting a kernel …");
+      report("Starting a kernel …");
       await context.startKernel(); // it was culled, or shut down by hand
     }
     const kernel = context.session?.kernel;
-    if (!kernel) return say("Choose a kernel first: menu Kernel, Change Kernel.");
-    say("Running what this cell needs …");
+    if (!kernel) return report("Choose a kernel first: menu Kernel, Change Kernel.");
+    report("Running what this cell needs …");
     const code = "%load_ext course_lib\nfrom course_lib import resume\nresume()";
     const metadata = { cellId: cell.model.sharedModel.getId() };
     const future = kernel.requestExecute({ code, store_history: false }, true, metadata);
-    let fault = "";
+    let errorText = "";
     future.onIOPub = ({ header, content }) => {
-      if (header.msg_type === "error") fault = `${content.ename}: ${content.evalue}`;
+      if (header.msg_type === "error") errorText = `${content.ename}: ${content.evalue}`;
     };
     const reply = await future.done;
-    if (reply.content.status !== "ok") return say(fault || "The kernel has stopped this.");
-    say("");
+    if (reply.content.status !== "ok") return report(errorText || "The kernel has stopped this.");
+    report("");
     panel.content.activeCellIndex = panel.content.widgets.indexOf(cell);
     await app.commands.execute("notebook:run-cell");
   }
 
   /** Return the type of what was saved beside a widget, or undefined. */
   function savedType(data) {
-    const type = SAVED.find((one) => data[one]);
-    return type === "text/plain" && REPR.test([data[type]].flat().join("")) ? undefined : type;
+    const type = SAVED_TYPES.find((one) => data[one]);
+    return type === "text/plain" && BARE_REPR.test([data[type]].flat().join("")) ? undefined : type;
   }
 
   /** Show what was saved beside a widget in the place of the widget, and a line below it. */
-  async function showSaved(app, tracker, rendermime, renderer, model, line = LINE) {
+  async function showSaved(app, tracker, rendermime, renderer, model, line = AS_SAVED) {
     const type = savedType(model.data);
     const parts = [];
     if (type) {
@@ -97,13 +97,13 @@
     const cell = await waitForCell(tracker, renderer);
     if (renderer.isDisposed || renderer.widgets.length) return;
     renderer.node.replaceChildren(); // before looking for a line: this may be the second time
-    parts.push(...lineFor(app, tracker, cell, type ? line : NOTHING));
+    parts.push(...createLine(app, tracker, cell, type ? line : NO_SAVED_OUTPUT));
     renderer.show();
     renderer.node.replaceChildren(...parts);
   }
 
   /** Return a line that says how to go on, with a button, unless another widget of the cell has one. */
-  function lineFor(app, tracker, cell, text) {
+  function createLine(app, tracker, cell, text) {
     // The outputs of a cell that was never in sight are not yet in its node.
     if (cell?.outputArea.node.querySelector(".course-saved")) return [];
     const words = document.createElement("span");
@@ -129,7 +129,7 @@
   }
 
   /** Have all widgets' outputs fall back to what was saved, and say below them that their kernel has ended. */
-  function keep(app, rendermime, tracker) {
+  function showSavedWithoutWidget(app, rendermime, tracker) {
     /** The models of outputs of widgets. */
     const models = new Map();
     const sample = rendermime.createRenderer(WIDGET);
@@ -146,7 +146,7 @@
       const showUnlessThere = () => {
         if (!this.isDisposed && !this.widgets.length) showSaved(app, tracker, rendermime, this, model);
       };
-      const late = setTimeout(showUnlessThere, PATIENCE);
+      const late = setTimeout(showUnlessThere, WIDGET_TIMEOUT);
       await render.call(this, model);
       clearTimeout(late);
       showUnlessThere();
@@ -159,10 +159,10 @@
         if (!cell || !notebook.content.widgets.includes(cell) || !renderer.widgets.length) continue;
         // A view can still be turned. A control would look as if it worked.
         const isView = renderer.node.querySelector(".course-keeps");
-        if (isView || !savedType(model.data)) renderer.node.append(...lineFor(app, tracker, cell, ENDED));
+        if (isView || !savedType(model.data)) renderer.node.append(...createLine(app, tracker, cell, KERNEL_ENDED));
         else {
           for (const widget of [...renderer.widgets]) widget.parent = null;
-          showSaved(app, tracker, rendermime, renderer, model, ENDED);
+          showSaved(app, tracker, rendermime, renderer, model, KERNEL_ENDED);
         }
       }
     };
@@ -172,7 +172,7 @@
    * Show what was saved beside a widget in notebooks that JupyterLab does not trust, too, with the line that says how
    * to go on. JupyterLab renders no widgets there, and without this only the picture would appear. HTML is sanitized.
    */
-  function keepUntrusted(app, rendermime, tracker) {
+  function showSavedIfUntrusted(app, rendermime, tracker) {
     const createRenderer = () => {
       const renderer = rendermime.createRenderer(WIDGET);
       renderer.renderModel = (model) => showSaved(app, tracker, rendermime, renderer, model);
@@ -278,22 +278,22 @@
     }
   }
 
-  /** Return the width [px] that a notebook needs to show COLUMNS columns of code. */
+  /** Return the width [px] that a notebook needs to show CODE_COLUMNS columns of code. */
   function widthForCode(panel) {
     const code = panel.node.querySelector(".jp-CodeCell .cm-content");
     if (!code) return 0;
     const pen = document.createElement("canvas").getContext("2d");
     pen.font = getComputedStyle(code).font;
-    const columns = COLUMNS * pen.measureText("0").width;
+    const columns = CODE_COLUMNS * pen.measureText("0").width;
     return Math.ceil(panel.node.offsetWidth - code.closest(".cm-scroller").clientWidth + columns + 12); // [px] its margins
   }
 
   /** Divide the width between a notebook and the panel beside it; `fold` the file browser where both need its place. */
-  function divide(notebook, panel, fold) {
+  function divideWidth(notebook, panel, fold) {
     const dock = panel.parent;
     const frame = () => new Promise((done) => requestAnimationFrame(done));
     const wide = widthForCode(notebook);
-    if (dock.node.offsetWidth < wide + LEAST) fold();
+    if (dock.node.offsetWidth < wide + MIN_VIEW_WIDTH) fold();
     return frame().then(frame).then(() => {
       const left = panel.node.offsetLeft;
       const edges = [...dock.layout.handles()].filter(
@@ -302,7 +302,7 @@
       const edge = edges.find((one) => Math.abs(one.offsetLeft + one.offsetWidth - left) < 8);
       if (!edge) return; // the user has moved it
       const whole = panel.node.offsetWidth + left - notebook.node.offsetLeft;
-      const share = Math.min(Math.max(SHARE * whole, wide), whole - LEAST);
+      const share = Math.min(Math.max(NOTEBOOK_SHARE * whole, wide), whole - MIN_VIEW_WIDTH);
       dock.layout.moveHandle(edge, notebook.node.offsetLeft + share, 0);
     });
   }
@@ -329,15 +329,15 @@
       const other = [...panels.values()].find((one) => one.isAttached);
       panels.set(notebook, panel);
       // As RViz's window, which bears the name of its file: with two notebooks, there are two such panels.
-      const nameIt = () => {
+      const updateTitle = () => {
         const { label } = notebook.title;
-        panel.title.label = `${VIEWER}: ${label.replace(/\.ipynb$/, "")}`;
+        panel.title.label = `${PANEL_TITLE}: ${label.replace(/\.ipynb$/, "")}`;
         panel.title.caption = `View of ${label}`;
       };
-      nameIt();
-      notebook.title.changed.connect(nameIt);
+      updateTitle();
+      notebook.title.changed.connect(updateTitle);
       panel.disposed.connect(() => {
-        notebook.title.changed.disconnect(nameIt);
+        notebook.title.changed.disconnect(updateTitle);
         if (panels.get(notebook) === panel) panels.delete(notebook);
         unfold();
       });
@@ -346,7 +346,7 @@
       // JupyterLab has halved the notebook for the new panel, which becomes a tab of the other one.
       if (other) panel.parent.addWidget(panel, { mode: "tab-after", ref: other });
       panel.parent.selectWidget(panel);
-      divide(notebook, panel, fold);
+      divideWidth(notebook, panel, fold);
     });
     tracker.currentChanged.connect((_, notebook) => {
       const panel = panels.get(notebook);
@@ -354,7 +354,7 @@
     });
   }
 
-  async function plugin() {
+  async function createPlugin() {
     const [{ IRenderMimeRegistry }, { INotebookTracker }, base] = await Promise.all(
       ["@jupyterlab/rendermime", "@jupyterlab/notebook", "@jupyter-widgets/base"].map(shared),
     );
@@ -365,16 +365,16 @@
       requires: [IRenderMimeRegistry, INotebookTracker, base.IJupyterWidgetRegistry],
       activate: (app, rendermime, tracker) => {
         hideBrokenLinks();
-        const sayEnded = keep(app, rendermime, tracker);
-        keepUntrusted(app, rendermime, tracker);
+        const showEnded = showSavedWithoutWidget(app, rendermime, tracker);
+        showSavedIfUntrusted(app, rendermime, tracker);
         arrangePanels(app, tracker);
         const watch = (panel) => {
           queueSaves(panel.context);
           panel.context.saveState.connect((_, state) => state === "started" && savePictures(panel));
           const { sessionContext } = panel;
-          sessionContext.statusChanged.connect((_, status) => OVER.includes(status) && sayEnded(panel));
+          sessionContext.statusChanged.connect((_, status) => ENDED_STATUSES.includes(status) && showEnded(panel));
           // A hub that culls an idle kernel ends its session, too.
-          sessionContext.sessionChanged.connect((_, { newValue }) => newValue || sayEnded(panel));
+          sessionContext.sessionChanged.connect((_, { newValue }) => newValue || showEnded(panel));
         };
         tracker.forEach(watch);
         tracker.widgetAdded.connect((_, panel) => watch(panel));
@@ -384,12 +384,12 @@
 
   globalThis._JUPYTERLAB ??= {};
   globalThis._JUPYTERLAB["course-lib"] = {
-    init: (given) => {
-      scope = given;
+    init: (sharedModules) => {
+      scope = sharedModules;
     },
     get: async () => {
-      const found = await plugin();
-      return () => ({ __esModule: true, default: found });
+      const plugin = await createPlugin();
+      return () => ({ __esModule: true, default: plugin });
     },
   };
 })();
