@@ -510,7 +510,7 @@ def _mark(
     withdraw: bool,
     is_lms: bool,
 ) -> str:
-    """Store the given points.
+    """Store the points of `course mark`, and return the line to print.
 
     Without points, update reports and gradebook from the stored marks.
     """

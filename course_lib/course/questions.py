@@ -312,9 +312,15 @@ def verdict(answer: Answer) -> str:
 
 
 def quiz(week: str) -> None:
-    """Show the questions of a week like "week01".
+    """Show the questions of a week.
 
-    The answers are stored for the student and not marked.
+    The answers are stored in the student's folder and not marked.
+
+    Args:
+        week: The name of the quiz, like "week01".
+
+    Raises:
+        CourseError: There is no quiz of this name.
     """
     questions = load_quiz(week)
     show_form(lambda: _quiz_form(week, questions), as_text(questions))

@@ -168,6 +168,18 @@ class OwnDisplay(DrawnDisplay):
 
     A subclass has a `class_name` like "my_package/Name", a `type_name` like "nav_msgs/msg/Path", a
     table of `properties`, and the method `drawing`. `Viewer.add` creates the object.
+
+    Example:
+        >>> from course_lib.displays import OwnDisplay, solid
+        >>> class Target(OwnDisplay):
+        ...     class_name = "my_robot/Target"
+        ...     type_name = "geometry_msgs/msg/PointStamped"
+        ...
+        ...     def drawing(self, message):
+        ...         center = (message.point.x, message.point.y, message.point.z)
+        ...         return {"ball": solid("sphere", size=(0.2, 0.2, 0.2), at=center)}
+
+    Put `@register` above the class before it is added to a viewer.
     """
 
     def drawing(self, message: Any) -> Mapping[str, Drawable]:

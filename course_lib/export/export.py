@@ -254,7 +254,17 @@ class Report:
 
 
 def lacks(folder: Path) -> Report:
-    """Check the folder of a package for missing parts."""
+    """Check the folder of a package for missing files and entries.
+
+    Args:
+        folder: The package's folder, which contains package.xml.
+
+    Returns:
+        The missing parts, and advice on recommended files.
+
+    Raises:
+        CourseError: The folder does not exist.
+    """
     if not folder.is_dir():
         raise CourseError(f"There is no folder {folder}. Pass the folder that contains package.xml.")
     name = folder.resolve().name

@@ -481,7 +481,7 @@ class HandMark:
     withdrawn: bool = False
 
     def is_of(self, sha256: str) -> bool:
-        """Return whether the mark may have been given for a submission."""
+        """Return whether the mark is for a submission with this SHA-256, or has no digest."""
         return self.sha256 in ("", sha256)
 
 

@@ -208,7 +208,7 @@ def lock_folder(out: Path, waiting: Callable[[str], None] | None = None) -> Iter
 
 @contextmanager
 def lock_marks(out: Path) -> Iterator[None]:
-    """Lock the files of marks, also while another process uses the folder of records.
+    """Lock the files of marks. Another process may use the folder of records at the same time.
 
     Raises:
         RecordsWriteError: The folder can't be written.

@@ -210,6 +210,12 @@ def link_poses(robot: Robot, positions: Mapping[str, float] | None = None) -> di
     Raises:
         CourseError: A joint does not exist or has more than one degree of freedom, or a position is
             not finite.
+
+    Example:
+        >>> from course_lib.robots import load_robot
+        >>> poses = link_poses(load_robot("ur10"), {"shoulder_lift_joint": -1.0, "elbow_joint": 1.5})
+        >>> poses["tool0"][:3, 3].round(2)
+        array([0.78, 0.26, 0.27])
     """
     motions = motions_of(robot.tree)
     poses = motions.root_transforms(configuration(robot, positions or {}))
@@ -306,6 +312,14 @@ def joints_for(
     Raises:
         CourseError: The link does not exist, the pose is not rigid, or no solution was found. The
             message contains the distance of the best result.
+
+    Example:
+        >>> from course_lib.robots import load_robot
+        >>> robot = load_robot("ur10")
+        >>> goal = link_poses(robot, {"shoulder_lift_joint": -1.0, "elbow_joint": 1.5})["tool0"]
+        >>> joints = joints_for(robot, "tool0", goal)
+        >>> bool(abs(link_poses(robot, joints)["tool0"] - goal).max() < 0.01)
+        True
     """
     arm = arm_of(robot, link)
     goal, tries = _check_pose(transform_link_to_root), []
@@ -455,6 +469,14 @@ def straight_line(
     Raises:
         CourseError: An argument is invalid, a point of the line is out of reach, or a joint would
             be too fast.
+
+    Example:
+        >>> from course_lib.robots import load_robot
+        >>> robot, start = load_robot("ur10"), {"shoulder_lift_joint": -1.0, "elbow_joint": 1.5}
+        >>> goal = link_poses(robot, start)["tool0"][:3, 3] + (0.0, 0.0, 0.1)
+        >>> trajectory = straight_line(robot, "tool0", start, goal, seconds=2.0)
+        >>> trajectory.points[-1].time_from_start.sec
+        2
     """
     poses = link_poses(robot, start)
     if link not in poses or not seconds > 0 or np.shape(goal) != (3,):

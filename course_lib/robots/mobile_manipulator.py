@@ -176,7 +176,10 @@ _SIMPLE_LINKS = {
 
 @lru_cache(maxsize=1)
 def simple_painter() -> Robot:
-    """Return the mobile manipulator as a few boxes and cylinders: light to draw, with a rigid arm."""
+    """Return the mobile manipulator as a few boxes and cylinders, which are fast to draw.
+
+    Its arm is rigid. `mobile_manipulator` returns the robot with its joints and meshes.
+    """
     links = ""
     for name, (shapes, color) in _SIMPLE_LINKS.items():
         looks = f'<material name="{name}"><color rgba="{color}"/></material>'
@@ -193,7 +196,11 @@ def simple_painter() -> Robot:
 
 @lru_cache(maxsize=1)
 def mobile_manipulator() -> Robot:
-    """Return the robot: base_link, and on it ur10base_link … ur10tool0. Only the arm has joints."""
+    """Return the robot of lesson 8, a UR10 arm on an omnidirectional base.
+
+    Its root is base_link. The links of the arm are ur10base_link … ur10tool0; only the arm has
+    movable joints.
+    """
     shapes = [f'<origin xyz="{at}" rpy="{turn}"/><geometry>{shape}</geometry>' for shape, at, turn in _SHAPES]
     looks = '<material name="base"><color rgba="0.55 0.6 0.65 1"/></material>'
     base = "".join(f"<visual>{s}{looks}</visual><collision>{s}</collision>" for s in shapes)
@@ -230,7 +237,22 @@ LONGEST_WAY, WINDOW = 0.1, 5.0
 
 @dataclass(frozen=True)
 class Wall:
-    """A flat wall perpendicular to x, in map: its x and its extents along y and z, [m]."""
+    """A flat wall perpendicular to the x axis of the frame map.
+
+    Args:
+        x: Its position along x, [m].
+        y: Its extent along y: minimum and maximum, [m].
+        z: Its extent along z: minimum and maximum, [m].
+
+    Raises:
+        CourseError: A number is not finite, or the wall has no area.
+
+    Example:
+        >>> wall = Wall(2.0, y=(0.0, 1.0), z=(0.0, 1.0))
+        >>> stripe = [(1.9, 0.0, 0.5), (1.9, 1.0, 0.5)]
+        >>> round(wall.coverage([stripe], width=0.2), 2)
+        0.2
+    """
 
     x: float
     y: tuple[float, float]

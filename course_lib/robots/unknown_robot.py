@@ -295,7 +295,11 @@ class SafetyStop(RobotPart):
 
 
 def unknown_robot(serial: int = 0) -> list[Node]:
-    """Return the nodes of the robot with a serial number, which students explore in week 6."""
+    """Return the nodes of the robot that students explore in week 6.
+
+    Args:
+        serial: The serial number, which determines the facts about the robot.
+    """
     kinds = (CameraDriver, BoxDetector, LidarDriver, BaseDriver, Gripper, Board, SafetyStop)
     return [kind(serial) for kind in kinds]
 

@@ -493,7 +493,7 @@ def _unbound_hint(error: BaseException, text: str) -> str:
 
 
 def _tf_hint(error: BaseException, text: str) -> str:
-    """Return the hint for a Buffer or a transformation that gets its arguments wrong, or ""."""
+    """Return the hint for wrong arguments of a Buffer or a transformation, or ""."""
     frames = [frame for frame, _ in walk_tb(error.__traceback__)]
     line = near_names.line_of_student(error)
     if isinstance(error, AttributeError) and any(

@@ -350,7 +350,10 @@ def _is_string_of_class(name: str, frame: FrameType) -> bool:
 
 
 def _find_abbreviation(wanted: str, frame: FrameType) -> str:
-    """Return the only local variable that a name abbreviates or spells out, like msg and message, or ""."""
+    """Return the only local variable that `wanted` abbreviates or spells out, or "".
+
+    For example, msg abbreviates message.
+    """
 
     def abbreviates(short: str, long: str) -> bool:
         letters = iter(long)

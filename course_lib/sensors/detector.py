@@ -42,7 +42,7 @@ class Detection:
 
 @dataclass
 class Detector:
-    """Detects the labeled things of a world.
+    """Detects the labeled objects of a world.
 
     Args:
         world: The world to measure.
@@ -78,12 +78,12 @@ class Detector:
         for share in self.alarm_confidence:
             check_number("alarm_confidence", share, low=0, high=1)
         self._transform_at = pose_function("pose of the detector", self.pose)
-        # The track of each thing, and the time at which it was last detected [s].
+        # The track of each object, and the time at which it was last detected [s].
         self._tracks = dict[int, tuple[int, float]]()
         self._last_track = 0
 
     def detect(self, seconds: float) -> list[Detection]:
-        """Detect things at a robot time since the start of the run [s].
+        """Detect objects at a robot time since the start of the run [s].
 
         Times must increase from call to call.
         """
@@ -101,7 +101,10 @@ class Detector:
         return detections + [self._false_alarm(seconds, chance) for _ in range(alarms)]
 
     def confidence(self, number: int, seconds: float) -> float:
-        """Return the confidence of a thing, 0 to 1: its visible fraction, reduced to half at range_max."""
+        """Return the confidence of an object, 0 to 1.
+
+        It is the visible fraction of the object, reduced to half at range_max.
+        """
         return float(self._confidences([number], self._transform_at(seconds), self.world.poses(seconds))[0])
 
     def _confidences(
@@ -110,7 +113,7 @@ class Detector:
         transform_sensor_to_world: Floats,
         poses: Floats,
     ) -> Floats:
-        """Return the confidences of K things, shape (K,), by casting all rays in one call."""
+        """Return the confidences of K objects, shape (K,), by casting all rays in one call."""
         sizes = np.array([self.world.things[number].shape.size for number in numbers]).reshape(-1, 1, 3)
         rotations, centers = poses[numbers, :3, :3], poses[numbers, None, :3, 3]
         in_world = (_POINTS * sizes @ rotations.transpose(0, 2, 1) + centers).reshape(-1, 3)
@@ -191,7 +194,7 @@ class DetectorNode(Node):
         self.timer = self.create_timer(period, self.publish_detections)
 
     def publish_detections(self) -> None:
-        """Detect the things at the current time, and publish the detections."""
+        """Detect the objects at the current time, and publish the detections."""
         now = self.get_clock().now()
         header = Header(stamp=now.to_msg(), frame_id=self.frame_id)
         detected = self.detector.detect((now.nanoseconds - START_NS) * 1e-9)

@@ -383,7 +383,7 @@ def cone_rays(field_of_view: float, count: int) -> Floats:
 
 
 class RangeNode(SensorNode):
-    """Publishes sensor_msgs/Range: the distance of the nearest thing in a cone around x.
+    """Publishes sensor_msgs/Range: the distance of the nearest object in a cone around x.
 
     Args:
         world: The world to measure.

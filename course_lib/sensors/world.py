@@ -1,4 +1,4 @@
-"""The simulated world: things with shape, color and pose, their motions, and ray casting.
+"""The simulated world: objects with shape, color and pose, their motions, and ray casting.
 
 All rays of a measurement are cast with numpy at once, one thing after the other. To save time, only
 the rays that meet the thing's bounding sphere are tested with its shape.
@@ -287,14 +287,14 @@ def circle(center: ArrayLike, radius: float, period: float) -> Callable[[float],
 
 @dataclass(frozen=True, eq=False)
 class Thing:
-    """A thing in the world.
+    """An object in the world.
 
     Args:
-        shape: The thing's shape.
+        shape: The object's shape.
         pose: transform_thing_to_world, shape (4, 4), [m], or a function of robot time [s] that
             returns it.
         color: Red, green, blue, each 0 to 1.
-        label: The class reported by detectors; "" for a thing that they ignore.
+        label: The class reported by detectors; "" for an object that they ignore.
     """
 
     shape: Shape
@@ -338,10 +338,19 @@ class Hits:
 
 
 class World:
-    """Things that sensors measure.
+    """The objects that simulated sensors measure.
 
     Args:
-        things: The things, whose order gives their indices.
+        things: The objects. Hits refer to them by their index.
+
+    Raises:
+        CourseError: An item is not a `Thing`.
+
+    Example:
+        >>> world = World([Thing(box(1.0, 1.0, 1.0), placed(3.0, 0.0, 0.0))])
+        >>> hits = world.cast(np.eye(4), [[1.0], [0.0], [0.0]], seconds=0.0)
+        >>> hits.distance
+        array([2.5])
     """
 
     def __init__(self, things: Sequence[Thing]) -> None:
@@ -366,17 +375,20 @@ class World:
             transform_sensor_to_world: Rigid, shape (4, 4), [m].
             rays: Unit vectors in the sensor's frame as columns, shape (3, N).
             seconds: Robot time, [s].
-            far: Things beyond this distance may be ignored, [m].
+            far: Objects beyond this distance may be ignored, [m].
+
+        Returns:
+            The distance [m] and the object's index for each ray, both of shape (N,).
         """
         pose = check_transform("transform_sensor_to_world", transform_sensor_to_world)
         return self.cast_among(self.poses(seconds), pose, check_rays(rays), far)
 
     def poses(self, seconds: float) -> Floats:
-        """Return transform_thing_to_world of all things at a robot time [s], shape (M, 4, 4)."""
+        """Return transform_thing_to_world of all objects at a robot time [s], shape (M, 4, 4)."""
         return np.array([thing.transform_at(seconds) for thing in self.things]).reshape(-1, 4, 4)
 
     def cast_among(self, poses: Floats, pose: Floats, rays: Floats, far: float) -> Hits:
-        """Cast rays as `cast` does, without checking the poses of things, the sensor's pose and the rays."""
+        """Cast rays as `cast` does, without checking the poses of objects and sensor, and the rays."""
         origin, rays = pose[:3, 3], pose[:3, :3] @ rays
         distance, hit_numbers = np.full(rays.shape[1], np.inf), np.full(rays.shape[1], -1)
         for number, ray_indices in enumerate(self._near(poses[:, :3, 3] - origin, rays, far)):
@@ -390,7 +402,7 @@ class World:
         return Hits(distance, hit_numbers)
 
     def _near(self, centers: Floats, rays: Floats, far: float) -> list[Indices]:
-        """Return the rays that may meet each thing's bounding sphere; centers (M, 3) from the sensor [m]."""
+        """Return the rays that may hit each object's bounding sphere; centers (M, 3) from the sensor [m]."""
         distances = np.linalg.norm(centers, axis=1)
         inside = distances <= self._reach
         # A ray meets the sphere if it points along the center at least as much as the tangents do.

@@ -322,7 +322,7 @@ class PerformanceReport:
         return tables + (f"<p>{note}</p>" if (note := self._note()) else "")
 
     def _note(self) -> str:
-        """Return the line below the tables, or in place of them."""
+        """Return the line below the tables, or instead of tables if there are none."""
         if self.callbacks:
             return _NOTE
         return "" if self.topics else _NO_MEASUREMENT.format(self.seconds)

@@ -108,7 +108,7 @@ _ON_SHEETS = 1e-3
 
 @dataclass(frozen=True)
 class Triangles:
-    """One object in the camera's frame."""
+    """The triangles of one object, in the camera's frame."""
 
     # x right, y up, -z ahead of the camera [m], then RGBA, then the coordinates in the mask, x
     # right and y up in 0..1; shape (T, 3, 9)

@@ -522,7 +522,7 @@ class Visualizer(meshcat.Visualizer):  # type: ignore[misc]  # meshcat has no ty
 
     @staticmethod
     def view_into(window: Window, path: Path) -> "Visualizer":
-        """Return a part of the tree."""
+        """Return a Visualizer for the subtree at a path."""
         part = Visualizer.__new__(Visualizer)
         part.window, part.path, part.place = window, path, "/".join(path.entries)
         return part

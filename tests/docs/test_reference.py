@@ -1,5 +1,6 @@
 """The reference in docs/ contains every public name, with the meaning, shape and unit of each argument."""
 
+import doctest
 import importlib
 import inspect
 import re
@@ -10,6 +11,7 @@ from typing import Any
 import pytest
 
 from course_lib.grading import Check, expect_drawn
+from course_lib.ros.graph.graph import Graph, use_graph
 
 DOCS = Path(__file__).parents[2] / "docs"
 ROOMS = ("displays", "robots", "sensors", "grading", "export")
@@ -103,3 +105,19 @@ def test_help_of_an_expect_function_shows_the_signature_for_authors() -> None:
     assert list(signature.parameters) == ["class_name", "messages", "best_effort", "call"]
     assert signature.return_annotation is Check
     assert "evidence" not in own_docstring(expect_drawn)
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_examples_of_public_docstrings_print_the_documented_output(module: str) -> None:
+    for name, found in public(module):
+        text = own_docstring(found) if callable(found) else ""
+        globs = dict(vars(inspect.getmodule(found) or doctest))
+        example = doctest.DocTestParser().get_doctest(text, globs, name, None, 0)
+        with use_graph(Graph()):
+            assert doctest.DocTestRunner().run(example).failed == 0, name
+
+
+def test_student_functions_with_several_steps_have_an_example() -> None:
+    names = ["spin_for", "link_poses", "joints_for", "straight_line", "Wall", "World", "OwnDisplay"]
+    texts = {name: own_docstring(found) for module in MODULES for name, found in public(module)}
+    assert [name for name in names if "Example:" not in texts[name]] == []

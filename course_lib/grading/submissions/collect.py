@@ -146,9 +146,9 @@ class Download:
     is_wrapped: bool = False
 
     def owner(self, path: tuple[str, ...]) -> str:
-        """Return a name of the owner, whose archives share a limit.
+        """Return a name for the owner of a file. All archives of one owner share a limit.
 
-        If all folders are in a single one, each of them may be a student.
+        If all folders are in a single one, each of them may belong to a student.
         """
         if self.is_wrapped and len(path) > 2 and not readers.is_zip(path[1]):
             return "/".join(path[:2])

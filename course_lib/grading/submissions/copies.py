@@ -550,7 +550,7 @@ def _match_lines(
     other: Fingerprint,
     released_code: frozenset[int],
 ) -> dict[int, int]:
-    """Map the lines of one side that occur on the other side to their numbers there, from 0."""
+    """Map the lines of one submission that occur in the other to their numbers there, from 0."""
     where = defaultdict[int, list[int]](list)
     for place, run in enumerate(other.runs):
         where[run].append(place)

@@ -155,7 +155,7 @@ class Channel:
         return data
 
     def _run(self, action: Callable[[T], R], argument: T) -> R:
-        """Send or receive until the deadline.
+        """Call `action`, which sends or receives, with a timeout at the deadline.
 
         The socket's timeout is updated often enough to keep the deadline to 20 ms.
         """

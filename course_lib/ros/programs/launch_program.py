@@ -145,7 +145,7 @@ OutputCallback = Callable[[str, int, str], object]
 
 
 class OutputPrefixes:
-    """Prefixes the output of processes with their names, which are kept by program.
+    """Prefixes the output of each process with its name from `by_program`.
 
     `on_output` receives the output in whole lines.
     """

@@ -46,8 +46,24 @@ class DriveResult:
 def spin_for(seconds: float, *nodes: "Node") -> DriveResult:
     """Run nodes for exactly `seconds` [s] of robot time, together with the live nodes.
 
-    Nodes of earlier cells do not run. Raises a CourseError if `seconds` is not a valid time or a
-    node is not a Node.
+    Nodes of earlier cells do not run.
+
+    Args:
+        seconds: The robot time, [s], at most 1e6.
+        nodes: The nodes to run; without any, only the live nodes run.
+
+    Raises:
+        CourseError: `seconds` is not a valid time, or an argument is not a node.
+
+    Example:
+        >>> import rclpy
+        >>> from rclpy.node import Node
+        >>> context = rclpy.init()
+        >>> node = Node("counter")
+        >>> timer = node.create_timer(0.5, lambda: print("tick"))
+        >>> result = spin_for(1.2, node)
+        tick
+        tick
     """
     if not isinstance(seconds, int | float) or not 0 <= seconds <= MAX_SECONDS:
         raise CourseError(
@@ -268,8 +284,13 @@ def run_live(*nodes: "Node") -> LiveRun:
     """Run nodes in real time while no cell runs. Return a handle with `stop()`.
 
     Without a viewer page (nbclient, scripts) they run for a few seconds of robot time at full speed
-    instead, and later calls that wait, like `spin_for`, drive them further. Raises a CourseError
-    without nodes, or if an argument is not a Node.
+    instead, and later calls that wait, like `spin_for`, drive them further.
+
+    Args:
+        nodes: The nodes to run, at least one: ``live = run_live(Camera(), Detector())``.
+
+    Raises:
+        CourseError: No node was passed, or an argument is not a node.
     """
     if not nodes:
         raise CourseError("run_live() needs at least one node, like run_live(MyNode()).")

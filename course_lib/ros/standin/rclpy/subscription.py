@@ -59,7 +59,7 @@ class Subscription(Entity, TopicEnd[MsgT]):
         return bool(self.__queue)
 
     def _course_take(self) -> Callable[[], object] | None:
-        """Remove the oldest message and return the call with a copy deserialized from its bytes."""
+        """Dequeue the oldest message, and return a function that calls the callback with it."""
         if not self.__queue:
             return None
         cdr, source_ns, received_ns = self.__queue.popleft()

@@ -53,7 +53,7 @@ class Endpoint:
             self.node.context.release_type(self.claimed)
         _events.get(self.node.graph, {}).pop(self.id, None)
         for publisher, subscription in self.partners():
-            for side in _sides(self.node.graph, publisher, subscription):
+            for side in _events_of(self.node.graph, publisher, subscription):
                 side.matched(-1)
         self.node.graph.remove_endpoint(self.id)
 
@@ -103,7 +103,7 @@ def _report_pair(
 ) -> None:
     """Report a pair that has formed (1) or ends (-1) to the events of both sides."""
     policy = graph.incompatible_policy(publisher, subscription)
-    for side in _sides(graph, publisher, subscription):
+    for side in _events_of(graph, publisher, subscription):
         if policy is None and publisher.type_name == subscription.type_name:
             side.matched(change)
         elif change > 0 and publisher.type_name != subscription.type_name:
@@ -112,8 +112,8 @@ def _report_pair(
             side.count("incompatible_qos", last_policy_kind=RmwPolicyKind(QoSPolicyKind[policy]))
 
 
-def _sides(graph: Graph, *infos: EndpointInfo) -> list[Events]:
-    """Return the events of endpoints.
+def _events_of(graph: Graph, *infos: EndpointInfo) -> list[Events]:
+    """Return the event objects of endpoints that belong to this process.
 
     Endpoints of other processes are reported in their own process.
     """
