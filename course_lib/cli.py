@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 
 Robot = Annotated[
     str | None,
-    typer.Option(help="An unmodified robot, dds/192.168.1.5, or its Zenoh router, tcp/192.168.1.5:7447."),
+    typer.Option(
+        help="The address of the robot, dds/192.168.1.5, or of its Zenoh router, tcp/192.168.1.5:7447."
+    ),
 ]
 Domain = Annotated[int | None, typer.Option(help="The robot's ROS_DOMAIN_ID.")]
 Send = Annotated[list[str] | None, typer.Option(help="A topic that may be sent to the robot.")]
@@ -82,11 +84,11 @@ def router(
         typer.Option(help="The robot's router, tcp/192.168.1.5:7447, or a robot over DDS, dds/192.168.1.5."),
     ] = "",
     send: Annotated[
-        list[str] | None, typer.Option(help="A topic that the driver may publish; may be given again.")
+        list[str] | None, typer.Option(help="A topic that the driver may publish; can be repeated.")
     ] = None,
     call: Annotated[
         list[str] | None,
-        typer.Option(help="A service or an action that students may call; may be given again."),
+        typer.Option(help="A service or an action that students may call; can be repeated."),
     ] = None,
     students: Annotated[
         Path | None, typer.Option(help="The platform's CSV; each student gets a token.")
@@ -132,7 +134,7 @@ def new(
     kind: Annotated[str, typer.Argument(help="week09, or the word course.")],
     title: Annotated[str, typer.Argument(help='The title, such as "Occupancy maps".')],
 ) -> None:
-    """Write the files of a week, or of a course of your own, which already run."""
+    """Write the files of a new week or of a new course, which already run."""
     from course_lib.authoring.new import new_course, new_week
     from course_lib.grading.store import this_course
 
@@ -174,7 +176,7 @@ def release(
     out: Annotated[Path, typer.Argument(help="An empty or new folder.")],
     solution: Annotated[
         list[str] | None,
-        typer.Option(help="A week like week01 whose solution is released, too; may be given again."),
+        typer.Option(help="A week like week01 whose solution is released, too; can be repeated."),
     ] = None,
 ) -> None:
     """Write the students' copy: installable, without solutions and hidden checks. Verify first.
@@ -198,7 +200,7 @@ def release(
 
 @authors.command()
 def book(
-    out: Annotated[Path, typer.Argument(help="A new or empty folder, or a former book.")],
+    out: Annotated[Path, typer.Argument(help="A new or empty folder, or the folder of a previous book.")],
 ) -> None:
     """Build the course's lessons and guides, with their scenes, as web pages that work offline."""
     from course_lib.book.book import build
@@ -235,7 +237,7 @@ def feedback(
     section: Annotated[str, typer.Option(help="Only this section; with --roster.")] = "",
     roster: Roster = None,
 ) -> None:
-    """Pack the reports for Moodle's or Canvas's bulk upload, a zip per exercise."""
+    """Pack the reports for Moodle's or Canvas's bulk upload, as one zip per exercise."""
     from course_lib.grading.reports.report import feedback as write
     from course_lib.grading.submissions.roster import ids_of_section
 
@@ -343,20 +345,21 @@ def collect(
     source: Annotated[Path, typer.Argument(help="The folder or zip downloaded from the learning platform.")],
     out: Annotated[Path, typer.Option(help="The folder for the submissions, with one folder per student.")],
     roster: Annotated[
-        Path | None, typer.Option(help="The platform's CSV, to name students by an ID in it.")
+        Path | None, typer.Option(help="The platform's CSV, which contains the students' IDs.")
     ] = None,
     id_column: Annotated[
-        str, typer.Option(help="The heading of that ID in --roster; default: detected by its content.")
+        str, typer.Option(help="The heading of the IDs in --roster; default: detected by its content.")
     ] = "",
     times: Annotated[
         list[Path] | None,
-        typer.Option(help="More times of submission: CSV, or JSON of Canvas's API; may be given again."),
+        typer.Option(help="Further times of submission: a CSV, or JSON of Canvas's API; can be repeated."),
     ] = None,
     time_zone: Annotated[
-        str, typer.Option(help="The zone of the platform's times; default: the course's.")
+        str, typer.Option(help="The time zone of the platform's times; default: that of the course.")
     ] = "",
     exercise: Annotated[
-        str, typer.Option(help="The exercise that counts, week01_exercise; default: the only one in it.")
+        str,
+        typer.Option(help="The exercise to collect, week01_exercise; default: the only one in the download."),
     ] = "",
     layout: Annotated[
         str,
@@ -365,7 +368,7 @@ def collect(
         ),
     ] = "",
 ) -> None:
-    """Sort the download of a learning platform into submissions; unsafe files are refused one by one."""
+    """Sort the download of a learning platform into submissions; unsafe files are rejected individually."""
     from course_lib.course.course_file import find_zone, shipped_course_file
     from course_lib.grading.submissions.collect import collect as sort
 
@@ -391,7 +394,7 @@ def grade(
     jobs: Annotated[
         int | None, typer.Option(min=1, help="Number of submissions that run in parallel.")
     ] = None,
-    only: Annotated[str, typer.Option(help="What to grade, a pattern like 'ada/*'.")] = "*",
+    only: Annotated[str, typer.Option(help="A pattern of the submissions to grade, like 'ada/*'.")] = "*",
     resume: Annotated[
         bool, typer.Option("--resume", help="Skip submissions that are already graded.")
     ] = False,
@@ -429,11 +432,12 @@ def mark(
     without_file: Annotated[
         bool,
         typer.Option(
-            "--without-file", help="STUDENT EXERCISE POINTS, for paper, an oral exam or a rejected file."
+            "--without-file",
+            help="Enter points for a whole exercise: for paper, an oral exam or a rejected file.",
         ),
     ] = False,
     lms: Annotated[
-        Path | None, typer.Option(help="The CSV that Canvas, Moodle or another platform exported, to fill.")
+        Path | None, typer.Option(help="The CSV to fill, as exported by Canvas, Moodle or another platform.")
     ] = None,
     exercise: Annotated[
         str, typer.Option(help="With --lms: the exercise of the marks, week01_exercise.")
@@ -458,7 +462,7 @@ def mark(
     port: Annotated[int | None, typer.Option(min=0, help="With --serve: the port.")] = None,
     browser: Annotated[bool, typer.Option(help="With --serve: open the page.")] = True,
 ) -> None:
-    """Enter points by hand, which grading again keeps, or fill a column of a learning platform's CSV."""
+    """Enter points by hand, which are kept if you grade again, or fill a column of a platform's CSV."""
     if serve and lms is None and not given:
         from course_lib.grading.marking.server import serve as serve_page
 
@@ -561,7 +565,7 @@ Version = Annotated[
 
 @app.callback()
 def course(context: typer.Context, debug: Debug = False, version: Version = False) -> None:
-    """Learn robot visualization and ROS 2 tooling in JupyterLab, with nothing but pip."""
+    """Learn robot visualization and ROS 2 tooling in JupyterLab, installed by pip alone."""
     require_fork(context.invoked_subcommand or "")
 
 
@@ -584,7 +588,7 @@ def lab(
 def demo(
     out: Annotated[Path, typer.Option(help="The folder for the picture and the page.")] = Path("course_demo"),
 ) -> None:
-    """Show the whole idea in 20 seconds, without a browser."""
+    """Demonstrate the kit in 20 seconds, without a browser."""
     from course_lib.demo import demo as show
 
     show(out)
@@ -601,12 +605,14 @@ def run(
         ),
     ],
     seconds: Annotated[
-        float | None, typer.Option(min=0, help="Robot time to run; default 5, notebooks: to their end.")
+        float | None,
+        typer.Option(min=0, help="Robot time to run [s]; default: 5, and no limit for notebooks."),
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of all random number generators.")] = 0,
     bag: Annotated[Path | None, typer.Option(help="Record everything into this new folder.")] = None,
     params_file: Annotated[
-        Path | None, typer.Option(exists=True, dir_okay=False, help="Parameters of the nodes, YAML.")
+        Path | None,
+        typer.Option(exists=True, dir_okay=False, help="A YAML file with parameters of the nodes."),
     ] = None,
     real_time: Annotated[
         bool, typer.Option("--real-time", help="Run at the speed of the wall clock.")
@@ -627,7 +633,7 @@ def run(
         ),
     ] = None,
 ) -> None:
-    """Run programs on robot time, or on a robot. Arguments after `--` are passed to them."""
+    """Run programs in robot time, or with a robot. Arguments after `--` are passed to the programs."""
     if ros:
         from course_lib.real.process import run_on_ros
 
@@ -662,10 +668,11 @@ def run(
 @app.command(context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
 def ros2(
     words: Annotated[list[str] | None, typer.Argument(help="The arguments of `ros2`: topic list -t")] = None,
-    run: Annotated[list[Path] | None, typer.Option(help="A program to run; may be given again.")] = None,
+    run: Annotated[list[Path] | None, typer.Option(help="A program to run; can be repeated.")] = None,
     bag: Annotated[Path | None, typer.Option(help="A recording to use instead.")] = None,
     seconds: Annotated[
-        float | None, typer.Option(min=0, help="Robot time to run; default 5, robots: to its end.")
+        float | None,
+        typer.Option(min=0, help="Robot time to run [s]; default: 5, and no limit with a robot."),
     ] = None,
     robot: Robot = None,
     domain: Domain = None,
@@ -689,9 +696,10 @@ def _find_packages_of(layout: Path | None) -> None:
 @app.command()
 def render(
     bag: Annotated[Path, typer.Option(help="The recording to draw.")],
-    rviz: Annotated[Path | None, typer.Option(help="The layout to draw it with.")] = None,
+    rviz: Annotated[Path | None, typer.Option(help="The layout of the picture.")] = None,
     at: Annotated[
-        float | None, typer.Option(help="Seconds after the first message; default: its end.")
+        float | None,
+        typer.Option(help="Time after the first message [s]; default: the end of the recording."),
     ] = None,
     size: Annotated[str, typer.Option(help="Width x height in pixels.")] = "800x600",
     png: Annotated[Path | None, typer.Option(help="Write a picture.")] = None,
@@ -717,7 +725,7 @@ def render(
 @app.command()
 def view(
     bag: Annotated[Path | None, typer.Option(help="The recording to play.")] = None,
-    rviz: Annotated[Path | None, typer.Option(help="The layout to show it with.")] = None,
+    rviz: Annotated[Path | None, typer.Option(help="The layout of the view.")] = None,
     port: Annotated[int, typer.Option(min=0, max=65535, help="The port; 0: any free port.")] = 0,
     token: Annotated[
         str | None, typer.Option(help="The secret part of the address; default: random.")
@@ -754,12 +762,14 @@ def info(folder: Annotated[Path, typer.Argument(help="The recording's folder.")]
 
 @bag.command(context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
 def play(
-    words: Annotated[list[str], typer.Argument(help="The recording's folder, then as in `ros2 bag play`.")],
+    words: Annotated[
+        list[str], typer.Argument(help="The recording's folder, then the options of `ros2 bag play`.")
+    ],
     run: Annotated[
-        list[Path] | None, typer.Option(help="A program that subscribes; may be given again.")
+        list[Path] | None, typer.Option(help="A program that subscribes; can be repeated.")
     ] = None,
 ) -> None:
-    """Play a recording to programs, which end at its end."""
+    """Play a recording to programs, and end them when it ends."""
     from course_lib.tools.run import ros2_over
 
     nobody = None if run else Path(words[0])
@@ -770,7 +780,7 @@ def play(
 def check(
     file: Annotated[Path, typer.Argument(help="Your exercise notebook.")],
     ros: Annotated[
-        bool, typer.Option("--ros", help="Check what the nodes publish on the real rclpy.")
+        bool, typer.Option("--ros", help="Check the messages that the nodes publish on the real rclpy.")
     ] = False,
 ) -> None:
     """Run the public checks of an exercise."""
@@ -836,7 +846,7 @@ def export(
         list[Path] | None, typer.Option("--with", help="A .rviz, .yaml, .urdf or launch file to include.")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
-    check: Annotated[Path | None, typer.Option(help="Only list what this package lacks.")] = None,
+    check: Annotated[Path | None, typer.Option(help="Only list the missing parts of this package.")] = None,
 ) -> None:
     """Export a notebook's nodes as a ROS 2 package: from the cells marked # export, or from all."""
     from course_lib.export.export import export as write

@@ -236,7 +236,7 @@ class Viewer(KnownAttributes):
 
     def statuses(self) -> StatusTable:
         """Return the statuses of RViz's Displays panel, with hints."""
-        # This draws nothing if no page can show it.
+        # `update` draws nothing if no page can show the viewer.
         self.session.update(self._graph.now_ns)
         return StatusTable(self.session.rows())
 

@@ -594,7 +594,7 @@ def _repeated_marker_problems(evidence: Evidence, topic: str, kind: str | None) 
             if marker.action == ADD and matches(marker, kind, None, None):
                 added_markers.setdefault((marker.ns, marker.id), []).append(marker)
         for (ns, marker_id), markers in added_markers.items():
-            # Different markers of one id are a missing id, which other checks report.
+            # Different markers with one id lack an id each, which other checks report.
             if (times := markers.count(markers[-1])) > 1:
                 noun = f"{kind} markers" if kind else "markers"
                 text = f"one array on {topic} adds {times} equal {noun} with ns {ns!r} and id {marker_id}"

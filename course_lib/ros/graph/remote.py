@@ -560,7 +560,7 @@ class RemoteGraph(Graph):
         return True
 
     def next_due_ns(self) -> int | None:
-        """Return None, because only the other process knows the next event."""
+        """Return None, because only the other process has the events."""
         return None
 
     def nodes(self) -> list[NodeInfo]:

@@ -412,7 +412,7 @@ class LaunchProgram(Process):
             and isinstance(cause, events.ProcessExited)
             and cause.action in self._skipped
         ):
-            # The process has not exited, it was never started.
+            # The process has not exited, because it was never started.
             return
         self._due_actions.append(partial(self._handle, event))
 
