@@ -13,6 +13,7 @@ from course_lib.grading.jail.filters import descendants
 from course_lib.grading.jail.launch import shared_template
 from course_lib.grading.run import submission_run
 from course_lib.grading.run.submission_run import (
+    ENDED,
     MAX_EXTENSION,
     OWN_THREAD,
     CellLog,
@@ -106,6 +107,20 @@ def test_time_limit_grows_by_the_time_waited_for_other_threads(
     known.update(threads)
     assert count.extend() == pytest.approx(grows)
     assert count.extend() == 0.0  # the same waiting counts once
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs /proc")
+def test_cpu_time_of_ended_processes_is_counted() -> None:
+    before = dict(submission_run._threads(os.getpid()))
+    for _ in range(10):
+        pid = os.fork()
+        if pid == 0:
+            while sum(os.times()[:2]) < 0.05:
+                pass
+            os._exit(0)
+        os.waitpid(pid, 0)
+    after = dict(submission_run._threads(os.getpid()))
+    assert after[ENDED].after(before[ENDED]).ran >= 0.4
 
 
 def test_extension_of_the_time_limit_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:

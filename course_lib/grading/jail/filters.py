@@ -146,6 +146,8 @@ BY_ARGUMENT = (
     # A process id other than 0 (the caller): prlimit64, sched_setaffinity, _setscheduler,
     # _setparam, _setattr.
     *((call, 0, IF_AT_LEAST, (1,)) for call in ((302, 261), (203, 122), (144, 119), (142, 118), (314, 274))),
+    # rt_sigaction: without SIGCHLD, the kernel would not count the times of ended processes.
+    ((13, 134), 0, IF_EQUAL, (17,)),
     ((157, 167), 0, IF_EQUAL, (DUMPABLE,)),  # prctl: it would hide the open files from the template
     ((72, 25), 1, IF_EQUAL, (8, 10, 15)),  # fcntl: F_SETOWN, _SETSIG, _SETOWN_EX make the kernel send signals
     # ioctl: likewise, and TIOCSTI injects input into a terminal

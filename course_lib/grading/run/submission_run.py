@@ -53,7 +53,9 @@ from course_lib.ros.time import wall
 
 MAX_EXTENSION = 9.0  # maximum extension of a limit, as a multiple of it
 MIN_EXTENSION = 0.1  # [s] minimum extension of a limit
-OWN_THREAD = 0  # placeholder for the id of the calling thread
+OWN_THREAD, ENDED = 0, -1  # placeholders for the ids of the calling thread, and of all ended threads
+CHILDREN_TIMES = slice(13, 15)  # times of ended children in /proc/PID/stat [ticks], counted after the name
+PROCESS_TIMES = slice(11, 15)  # these, after the times of the process with its ended threads
 
 
 @dataclass(frozen=True)
@@ -105,15 +107,32 @@ class WaitingTime:
 
 
 def _threads(top: int) -> Iterator[tuple[int, ThreadTimes]]:
-    """Yield (thread id, CPU times) for all threads of a process's descendants, and for this thread."""
+    """Yield (thread id, CPU times) for this thread and for all threads of a process's descendants.
+
+    Those that have ended are one entry. Otherwise code could start short processes and wait for
+    them: they would use the processor, and extend the limit.
+    """
     files = [Path("/proc/thread-self/schedstat")]
-    files += [file for pid in descendants(top) for file in Path(f"/proc/{pid}/task").glob("*/schedstat")]
+    ended = _stat_seconds(top, CHILDREN_TIMES)
+    for pid in descendants(top):
+        files += Path(f"/proc/{pid}/task").glob("*/schedstat")
+        ended += _stat_seconds(pid, PROCESS_TIMES)
     for file in files:
         number = int(file.parent.name) if file is not files[0] else OWN_THREAD
         # The system is not Linux, or the thread has just ended.
         with suppress(OSError, ValueError):
             ran, waited, _ = map(int, file.read_text().split())
             yield number, ThreadTimes(ran / 1e9, waited / 1e9)
+            ended -= ran / 1e9 if number != OWN_THREAD else 0.0
+    yield ENDED, ThreadTimes(ended, 0.0)
+
+
+def _stat_seconds(pid: int, times: slice) -> float:
+    """Return the sum of some of a process's times [s], or 0 if it has just ended."""
+    with suppress(OSError, ValueError):
+        fields = Path(f"/proc/{pid}/stat").read_bytes().rpartition(b")")[2].split()
+        return sum(map(int, fields[times])) / os.sysconf("SC_CLK_TCK")
+    return 0.0
 
 
 # Modules that take long to import, by a string that occurs in cells that need them.

@@ -38,6 +38,7 @@ ATTACKS = {
     "a signal by a file": "fcntl.fcntl(0, fcntl.F_SETOWN, {pid})",
     "a file in a message": "socket.send_fds(socket.socketpair()[0], [b'x'], [0])",
     "hidden files": "libc.prctl(4, 0, 0, 0, 0) and 1 / 0",
+    "uncounted processes": "signal.signal(signal.SIGCHLD, signal.SIG_IGN)",
     "the mode of a file": "[os.chmod('own', 0o700), os.stat('own').st_mode & 0o100 or 1 / 0]",
     "another user": "os.setresuid(0, 0, 0)",
     "memory in files": "libc.memfd_create(b'x', 0) >= 0 or 1 / 0",
@@ -65,7 +66,7 @@ FILES = {"a file of the user", "the listing of a folder", *SEEN}
 NETWORK = {"a socket", "a connection"}
 CALLS = {
     "another program", "a datagram", "a signal by a file", "the mode of a file", "memory in files",
-    "another user", "a file in a message", "hidden files",
+    "another user", "a file in a message", "hidden files", "uncounted processes",
 }  # fmt: skip
 BUBBLEWRAP = "bubblewrap"
 OPEN = {  # disabled layers: remaining layers
