@@ -122,8 +122,12 @@ class TopicView(RqtView):
         self.add_text("Filter", hint="part of a name")
 
     def body(self) -> list[Any]:
-        """Return the headings above the rows."""
-        return [self.screen, self.table]
+        """Return the headings above the rows, which scroll sideways in a narrow window."""
+        from ipywidgets import VBox
+
+        sheet = VBox([self.screen, self.table])
+        sheet.add_class("rqt-wide")
+        return [sheet]
 
     def required_topics(self) -> Collection[str]:
         """Return all topics."""
@@ -169,7 +173,9 @@ class TopicView(RqtView):
         button.layout.width = "210px"
         button.add_class("rqt-topic")
         button.observe(lambda _: self.soon(self.refresh), "value")
-        return VBox([HBox([button, HTML(layout={"flex": "1"})]), HTML(layout={"margin": "0 0 0 24px"})])
+        line = HBox([button, HTML(layout={"flex": "1"})])
+        line.add_class("rqt-row")
+        return VBox([line, HTML(layout={"margin": "0 0 0 24px"})])
 
     def cells(self, topic: str, types: list[str]) -> list[str]:
         """Return the cells to the right of a topic's name."""
