@@ -264,15 +264,27 @@ def _comparison_after_choice(key: str, question: Question, measured: str) -> For
     return Form(output, saved, on_answer)
 
 
+# ipywidgets gives each option one line, of which a narrow window shows the beginning.
+# Its buttons follow the text, and float to the left.
+_CHOICE_STYLE = """<style>.course-choice .widget-radio-box label { display: flex; flex-direction: row-reverse;
+justify-content: flex-end; align-items: flex-start; height: auto; white-space: normal; }
+.course-choice .widget-radio-box input { flex: none; }</style>"""
+
+
+def _radio_buttons(**options: Any) -> Any:
+    """Return radio buttons that break long options; the title above them brings their style."""
+    import ipywidgets as widgets
+
+    choice = widgets.RadioButtons(layout={"width": "max-content", "max_width": "100%"}, **options)
+    choice.add_class("course-choice")
+    return choice
+
+
 def _prediction_form(key: str, question: Question, saved_answer: str | None) -> Form:
     import ipywidgets as widgets
 
     options = [answer.text for answer in question.answers]
-    choice = widgets.RadioButtons(
-        options=options,
-        value=saved_answer if saved_answer in options else None,
-        layout={"width": "max-content"},
-    )
+    choice = _radio_buttons(options=options, value=saved_answer if saved_answer in options else None)
     status = widgets.Label(
         "Kept. Now run the next cell." if saved_answer else "Choose one; it is kept, not marked."
     )
@@ -293,7 +305,7 @@ def _prediction_form(key: str, question: Question, saved_answer: str | None) -> 
         return _as_html([row]), _as_text([row])
 
     choice.observe(keep, names="value")
-    title = widgets.HTML(_paragraph(f"<b>Predict:</b> {question.text}"))
+    title = widgets.HTML(_CHOICE_STYLE + _paragraph(f"<b>Predict:</b> {question.text}"))
     form = widgets.VBox([title, choice, status])
     return Form(form, saved, on_answer)
 
@@ -396,7 +408,7 @@ def _question(
 
     texts = [answer.text for answer in question.answers]
     index = question.answers.index(saved_answer) if saved_answer else None
-    choice = widgets.RadioButtons(options=texts, index=index, layout={"width": "max-content"})
+    choice = _radio_buttons(options=texts, index=index)
     feedback = widgets.HTML(_paragraph(verdict(saved_answer)) if saved_answer else "")
     wide = {"max_width": "52em"}
 
@@ -409,5 +421,5 @@ def _question(
                 call()
 
     choice.observe(react, names="index")
-    title = widgets.HTML(_paragraph(f"<b>{number}. {question.text}</b>"), layout=wide)
+    title = widgets.HTML(_CHOICE_STYLE + _paragraph(f"<b>{number}. {question.text}</b>"), layout=wide)
     return widgets.VBox([title, choice, feedback], layout={"margin": "0 0 1em 0"}), choice

@@ -7,7 +7,7 @@ import pytest
 
 from course_lib.course.exercise import read_notebook
 from course_lib.course.state import State
-from tests.browser.jupyterlab import Lab, Notebook, count_pixels, opened, view_of
+from tests.browser.jupyterlab import VIEWPORT, Lab, Notebook, count_pixels, opened, view_of
 from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -52,3 +52,12 @@ def test_quiz_shows_an_explanation_after_each_click(lesson: Notebook) -> None:
     cell.get_by_text("✘ Not this one. That sends it somewhere").wait_for()
     cell.get_by_text("2D Pose Estimate", exact=True).click()
     cell.get_by_text("✔ Right. It publishes a pose estimate").wait_for()
+
+
+def test_long_options_of_a_quiz_are_wrapped_in_a_narrow_window(lesson: Notebook) -> None:
+    cell = lesson.run_below('quiz("week06")')
+    lesson.page.set_viewport_size({"width": 640, "height": 700})
+    option = cell.locator("label", has_text="log of the detector")
+    wait_until(lambda: option.evaluate("label => label.clientHeight > 30"), lesson.page)
+    assert option.evaluate("label => label.scrollWidth <= label.clientWidth")
+    lesson.page.set_viewport_size(VIEWPORT)
