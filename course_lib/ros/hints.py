@@ -648,6 +648,10 @@ _CREATE_CALLS = {
 
 def _order_hint(error: BaseException, text: str) -> str:
     """Return the hint for a call that passes the type or the name of a topic in the wrong position, or ""."""
+    frame = near_names.frame_of(error)
+    if "isinstance() arg 2" in text and frame is not None and frame.f_code.co_name == "publish":
+        # rclpy takes a message for its class until it is asked to publish.
+        return _type_hint(getattr(frame.f_locals.get("self"), "msg_type", None))
     texts = "rclpy_resolve_name|incompatible constructor arguments|no attribute '_TYPE_SUPPORT'"
     if not re.search(texts, text):
         return ""

@@ -22,7 +22,8 @@ class Difference:
 _AFTER_THE_END = "Executors after `rclpy.shutdown()`, or before `rclpy.init()`"
 _COUNTS = "Counts after `rclpy.shutdown()`"
 _BYTES = "Bytes that are not a message"
-_INSTANCE = "A message instead of its class, `create_publisher(String(), …)`"
+_BYTES_AS_NAMES = "Names as bytes, `create_publisher(String, b'chatter', 10)`"
+_DDS_NAMES = "`get_topic_names_and_types(no_demangle=True)`"
 _ASSERTIONS = "Texts of assertions and of wrong types"
 _FOR_EVER, _FIELD = "Waiting for ever", "A field of the wrong type"
 _NUMBERS = "Arrays of numbers"
@@ -39,9 +40,6 @@ PROBES: dict[str, dict[str, Difference]] = {
         ),
     },
     "calls": {
-        "service.of_an_instance": Difference(
-            _INSTANCE, "AttributeError: type object 'Trigger_Request' has no attribute"
-        ),
         "goal.returns_nothing": Difference(_FIELD, "The 'result' field must be a sub message"),
         "goal.returns_text": Difference(_FIELD, "The 'result' field must be a sub message"),
     },
@@ -76,10 +74,15 @@ PROBES: dict[str, dict[str, Difference]] = {
         "corner.deserialize_nothing": Difference(_BYTES, "These 0 bytes are not a valid std_msgs/msg/String"),
         "corner.deserialize_short": Difference(_BYTES, "These 9 bytes are not a valid std_msgs/msg/String"),
     },
+    "kinds": {
+        **{
+            f"set_by_client.{kind}": Difference(_FIELD, "The 'parameters' field must be a set or sequence")
+            for kind in ("text", "a_list", "a_tuple")
+        },
+        "name.as_bytes": Difference(_BYTES_AS_NAMES, "TypeError: rclpy_resolve_name(): incompatible"),
+        "name.of_dds": Difference(_DDS_NAMES, "False"),
+    },
     "graphs": {
-        "publisher.of_an_instance": Difference(
-            _INSTANCE, "AttributeError: type object 'String' has no attribute"
-        ),
         "heard.info": Difference("Numbers in `MessageInfo`", "'source_timestamp'], None)"),
         "profile.depth_float": Difference(
             _ASSERTIONS, "AssertionError: The 'depth' of a QoSProfile must be int: 1.0"

@@ -140,9 +140,13 @@ SMALL = {
     "the publishers of a node": ("probe graphs query.own_publishers",),
     "the order of a node's services": ("probe graphs query.own_services",),
     "an instance as the type of a topic": (
-        "row A message instead of its class, `create_publisher(String(), …)`",
+        "probe graphs publisher.of_an_instance",
+        "probe kinds instance.received",
     ),
-    "assigning a constant": ("probe corners corner.constant_of_the_class",),
+    "assigning a constant": (
+        "probe corners corner.constant",
+        "probe corners corner.constant_of_the_class",
+    ),
     "copying a profile": ("probe graphs profile.deeply_copied", "probe objects qos.equal_to_copy"),
     "policies that are unknown": (
         "probe corners corner.unknown_reliability",

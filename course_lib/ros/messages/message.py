@@ -399,11 +399,13 @@ class _MessageMeta(type):
 
     A program that forgets the parentheses, as in `marker = Marker`, sets fields of the class. In a
     notebook, a replaced descriptor would break all messages of this type until the kernel restarts.
+    The metaclass of each class has a property for each constant, which Python does not set.
     """
 
+    # In ROS the functions that serialize messages. A class without it is not one of messages.
+    _TYPE_SUPPORT: ClassVar[object] = True
+
     def __setattr__(cls, name: str, value: object) -> None:
-        if name in vars(cls).get("_CONSTANTS", ()):
-            raise AttributeError(f"property {name!r} of {type(cls).__name__!r} object has no setter")
         if name not in vars(cls).get("_KINDS", ()):
             super().__setattr__(name, value)
 
@@ -443,11 +445,13 @@ class RosMessage(metaclass=_MessageMeta):
                 setattr(self, name, kind.construct(values[name]))
 
     def __repr__(self) -> str:
-        package, folder, name = self._TYPE_NAME.split("/")
+        # The name of a student's subclass is in the student's module.
+        modules = type(self).__module__.split(".")[:-1]
+        name = ".".join([*modules, type(self).__name__])
         values = {field: getattr(self, field) for field in self._KINDS}
         # As in ROS, an array.array is printed as a list.
         plain = {f: value.tolist() if isinstance(value, array) else value for f, value in values.items()}
-        return f"{package}.{folder}.{name}({', '.join(f'{f}={value!r}' for f, value in plain.items())})"
+        return f"{name}({', '.join(f'{f}={value!r}' for f, value in plain.items())})"
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, self.__class__):
@@ -564,16 +568,24 @@ def message_class(type_name: str) -> type[RosMessage]:
         "__slots__": slots,
         "_TYPE_NAME": type_name,
         "_KINDS": kinds,
-        "_CONSTANTS": frozenset(message_definition.constants),
         "_SLOTS": slots,
         "__init__": constructor(kinds, RosMessage.__init__),
         "_fields_and_field_types": {field.name: ros_type(field) for field in fields},
     }
     accessors = {name: _accessor(name, kind) for name, kind in kinds.items()}
-    parts = {**namespace, **message_definition.constants, **defaults, **accessors}
-    metaclass = type(f"Metaclass_{name}", (_MessageMeta,), {"__module__": namespace["__module__"]})
-    message: type[RosMessage] = metaclass(name, (RosMessage,), parts)
-    return message
+    # As in ROS, each class has a metaclass, whose name is in Python's errors about the class, and
+    # whose properties protect the constants.
+    values = {**message_definition.constants, **defaults}
+    protected = {constant: _constant(value) for constant, value in values.items()}
+    home = {"__module__": namespace["__module__"]}
+    metaclass = type(f"Metaclass_{name}", (_MessageMeta,), {**home, **protected})
+    created: type[RosMessage] = metaclass(name, (RosMessage,), {**namespace, **values, **accessors})
+    return created
+
+
+def _constant(value: object) -> property:
+    """Return the property of a metaclass for a constant, which cannot be assigned."""
+    return property(lambda cls: value)
 
 
 def type_name(message: RosMessage | type[RosMessage]) -> str:
@@ -589,11 +601,9 @@ def type_name(message: RosMessage | type[RosMessage]) -> str:
 
 
 class _InterfaceMeta(type):
-    """Metaclass of service and action classes, which cannot be instantiated."""
+    """Base class of the metaclasses of services and actions, which cannot be instantiated."""
 
-    def __call__(cls) -> None:
-        kind = "Action" if hasattr(cls, "Goal") else "Service"
-        raise NotImplementedError(f"{kind} classes can not be instantiated")
+    _TYPE_SUPPORT: ClassVar[object] = True
 
     def __getattr__(cls, name: str) -> type[RosMessage]:
         """Create the `Event` class of a service on access, because few programs need it."""
@@ -605,7 +615,7 @@ class _InterfaceMeta(type):
 @cache
 def service_class(type_name: str) -> type:
     """Return the class of a service such as ``std_srvs/srv/Trigger``, with `Request` and `Response`."""
-    return _InterfaceMeta(*_container_class(type_name, SERVICE_PARTS))
+    return _container_class(type_name, SERVICE_PARTS)
 
 
 @cache
@@ -615,7 +625,6 @@ def action_class(type_name: str) -> type:
     Its attributes are `Goal`, `Result` and `Feedback`. `Impl` has the types of its services and
     topics.
     """
-    name, bases, parts = _container_class(type_name, ACTION_PARTS)
     transport = {
         "SendGoalService": service_class(f"{type_name}_SendGoal"),
         "GetResultService": service_class(f"{type_name}_GetResult"),
@@ -623,17 +632,24 @@ def action_class(type_name: str) -> type:
         "CancelGoalService": service_class("action_msgs/srv/CancelGoal"),
         "GoalStatusMessage": message_class("action_msgs/msg/GoalStatusArray"),
     }
-    return _InterfaceMeta(name, bases, {**parts, "Impl": type("Impl", (), transport)})
+    return _container_class(type_name, ACTION_PARTS, Impl=type("Impl", (), transport))
 
 
-def _container_class(
-    type_name: str,
-    parts: tuple[str, ...],
-) -> tuple[str, tuple[type, ...], dict[str, Any]]:
-    """Return the name, bases and namespace of a class that contains other types."""
-    names = {part[1:]: message_class(type_name + part) for part in parts}
+def _container_class(type_name: str, parts: tuple[str, ...], **attributes: Any) -> type:
+    """Create the class of a service or an action, which contains messages."""
+    name = type_name.rsplit("/", 1)[1]
+
+    def initialize(self: object) -> None:
+        kind = "Action" if hasattr(self, "Goal") else "Service"
+        raise NotImplementedError(f"{kind} classes can not be instantiated")
+
+    # Python's errors about wrong arguments name it.
+    initialize.__qualname__ = f"{name}.__init__"
+    contents = {part[1:]: message_class(type_name + part) for part in parts}
     home = {"__module__": module_of_type(type_name), "_TYPE_NAME": type_name}
-    return type_name.rsplit("/", 1)[1], (), {**home, **names}
+    metaclass = type(f"Metaclass_{name}", (_InterfaceMeta,), {"__module__": home["__module__"]})
+    created: type = metaclass(name, (), {**home, **contents, **attributes, "__init__": initialize})
+    return created
 
 
 def fill_module(module: ModuleType) -> None:

@@ -1,5 +1,6 @@
 """Parameters in YAML, typed by rcl's rules: files of `--params-file`, and values of `-p`."""
 
+import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -153,9 +154,11 @@ def _scalar(node: yaml.ScalarNode) -> bool | int | float | str:
     if _INTEGER.fullmatch(text) and -(2**63) <= (number := _integer(text)) < 2**63:
         return number
     try:
-        return float(re.sub(r"^([+-]?)\.(?=[infaINFA]{3}$)", r"\1", text)) if "_" not in text else text
+        real = float(re.sub(r"^([+-]?)\.(?=[infaINFA]{3}$)", r"\1", text))
     except ValueError:
         return text
+    is_out_of_range = math.isinf(real) and any(character.isdigit() for character in text)
+    return text if "_" in text or is_out_of_range else real
 
 
 def _is_tagged_as_string(node: yaml.ScalarNode) -> bool:

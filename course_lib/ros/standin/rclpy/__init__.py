@@ -141,7 +141,7 @@ def _with_node(executor: Executor | None, node: Node, *, keep: bool = False) -> 
 
     With `keep`, a node that was added before remains.
     """
-    used_executor = executor or get_global_executor()
+    used_executor = get_global_executor() if executor is None else executor
     is_new = used_executor.add_node(node)
     try:
         yield used_executor

@@ -222,7 +222,7 @@ class Clock:
         of ROS time. While ROS time is overridden, only a jump wakes the sleeper, even if `until`
         has already passed, as in rclpy.
         """
-        context = context or get_default_context()
+        context = get_default_context() if context is None else context
         if not context.is_valid:
             raise NotInitializedException
         if until.clock_type != self.clock_type:

@@ -148,12 +148,11 @@ class EventCallbacks:
 
     @classmethod
     def require(cls, given: object) -> None:
-        """Raise rclpy's error unless an object is None or has the event callbacks of this side."""
+        """Raise rclpy's error unless an object has the event callbacks of this side, or is falsy."""
         if isinstance(given, EventCallbacks) and not isinstance(given, cls):
             raise TypeError("__init__(): incompatible constructor arguments.")
-        if not isinstance(given, EventCallbacks | None):
-            kind = type(given).__name__
-            raise AttributeError(f"'{kind}' object has no attribute 'create_event_handlers'")
+        if given and not isinstance(given, EventCallbacks):
+            given.create_event_handlers  # type: ignore[attr-defined]  # noqa: B018 - Python's error
 
     def bind(self, node: NodeHandle, topic: str, callback_group: CallbackGroup) -> Events:
         """Create the receivers of events.

@@ -111,7 +111,7 @@ class Executor(AbstractContextManager["Executor"]):
 
     def __init__(self, *, context: Context | None = None) -> None:
         # The executor stops when this context is shut down.
-        self.context = context or get_default_context()
+        self.context = get_default_context() if context is None else context
         if not self.context.is_initialized:
             raise NotInitializedException("cannot create executor")
         if not self.context.is_valid:

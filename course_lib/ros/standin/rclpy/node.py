@@ -52,7 +52,7 @@ from rclpy.impl.graph_queries import (
     sorted_types,
     to_qos,
 )
-from rclpy.impl.node_handle import GuardCondition, NodeHandle, NodesById, enter_graph
+from rclpy.impl.node_handle import GuardCondition, NodeHandle, NodesById, enter_graph, require_bool
 from rclpy.impl.parameter_store import On, ParameterStore, Post, Pre
 from rclpy.impl.rcutils_logger import RcutilsLogger, Rosout
 from rclpy.logging import get_logger
@@ -138,11 +138,13 @@ class Node:
         automatically_declare_parameters_from_overrides: bool = False,
         enable_logger_service: bool = False,
     ) -> None:
-        context = context or get_default_context()
+        context = get_default_context() if context is None else context
+        for flag in (use_global_arguments, enable_rosout):
+            require_bool(flag)
         if not context.is_valid:
             error = NotInitializedException("cannot create node")
             raise marked(error, Mistake.SHUT_DOWN) if current_graph().state(Contexts).initialized else error
-        local = parse(cli_args or [])
+        local = parse([] if cli_args is None else cli_args)
         for warning in local.warnings:
             get_logger("rcl").warning(warning)
         arguments = joined(local, context.arguments) if use_global_arguments else local
@@ -162,7 +164,8 @@ class Node:
             current_graph().state(Rosout).publish.setdefault(self.handle.logger_name, self.__publish_log)
         events = self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
         overrides = arguments.parameters(self.handle.full_name)
-        overrides |= {parameter.name: parameter for parameter in parameter_overrides or []}
+        given = () if parameter_overrides is None else parameter_overrides
+        overrides |= {parameter.name: parameter for parameter in given}
         self.__parameter_store = ParameterStore(self.handle.full_name, self.__clock, events, overrides)
         self.__allow_undeclared_parameters = allow_undeclared_parameters
         if automatically_declare_parameters_from_overrides:
@@ -286,6 +289,7 @@ class Node:
 
     def get_topic_names_and_types(self, no_demangle: bool = False) -> NamesAndTypes:
         """List all topics with their types."""
+        require_bool(no_demangle, "rclpy_get_topic_names_and_types(): incompatible function arguments.")
         infos = self.__usable("failed to get topic names and types").graph.endpoints()
         return sorted_types((info.topic, info.type_name) for info in infos if info.service is None)
 
@@ -312,6 +316,7 @@ class Node:
         self, topic_name: str, no_mangle: bool = False
     ) -> list[TopicEndpointInfo]:
         """List the publishers on a topic with their QoS."""
+        require_bool(no_mangle, "rclpy_get_publishers_info_by_topic(): incompatible function arguments.")
         node = self.__usable("Failed to get information by topic for publishers")
         return [describe(info, node.graph.nodes()) for info in endpoints_on(node, topic_name, "pub")]
 
@@ -319,6 +324,7 @@ class Node:
         self, topic_name: str, no_mangle: bool = False
     ) -> list[TopicEndpointInfo]:
         """List the subscriptions on a topic with their QoS."""
+        require_bool(no_mangle, "rclpy_get_subscriptions_info_by_topic(): incompatible function arguments.")
         node = self.__usable("Failed to get information by topic for subscriptions")
         return [describe(info, node.graph.nodes()) for info in endpoints_on(node, topic_name, "sub")]
 
@@ -332,12 +338,15 @@ class Node:
 
     def wait_for_node(self, fully_qualified_node_name: str, timeout: float) -> bool:
         """Wait at most `timeout` [s] for a node. Return whether it exists."""
-        full_name, until = f"/{fully_qualified_node_name.removeprefix('/')}", time.time() + timeout
-        while full_name not in self.get_fully_qualified_node_names():
-            if time.time() >= until:
-                return False
+        if not fully_qualified_node_name.startswith("/"):
+            fully_qualified_node_name = f"/{fully_qualified_node_name}"
+        # As in rclpy, which sleeps once more after it has seen the node, and does not look at all
+        # without a positive timeout.
+        start, exists = time.time(), False
+        while time.time() - start < timeout and not exists:
+            exists = fully_qualified_node_name in self.get_fully_qualified_node_names()
             time.sleep(_LOOK)
-        return True
+        return exists
 
     def get_publisher_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
@@ -521,7 +530,7 @@ class Node:
         """
         self.handle.require("failed to create client")
         full_name = self.__full_service_name(srv_type, srv_name)
-        group = callback_group or self.default_callback_group
+        group = self.default_callback_group if callback_group is None else callback_group
         client = Client(self.handle, group, srv_type, srv_name, full_name, qos_profile)
         self.__created_entities.append(client)
         return client
@@ -541,7 +550,7 @@ class Node:
         """
         self.handle.require("failed to create service")
         full_name = self.__full_service_name(srv_type, srv_name)
-        group = callback_group or self.default_callback_group
+        group = self.default_callback_group if callback_group is None else callback_group
         service = Service(callback, self.handle, group, srv_type, srv_name, full_name, qos_profile)
         self.__created_entities.append(service)
         return service
@@ -560,8 +569,9 @@ class Node:
         except (TypeError, ValueError) as error:
             mark(error, Mistake.PERIOD)
             raise
-        group = callback_group or self.default_callback_group
-        timer = Timer(self.handle, callback, group, period_ns, clock or self.__clock, autostart=autostart)
+        group = self.default_callback_group if callback_group is None else callback_group
+        clock = self.__clock if clock is None else clock
+        timer = Timer(self.handle, callback, group, period_ns, clock, autostart=autostart)
         self.__created_entities.append(timer)
         return timer
 
@@ -569,7 +579,8 @@ class Node:
         self, callback: Callable[[], object], callback_group: CallbackGroup | None = None
     ) -> GuardCondition:
         """Create a guard condition, whose callback runs after each `trigger()`."""
-        guard = GuardCondition(self.handle, callback, callback_group or self.default_callback_group)
+        group = self.default_callback_group if callback_group is None else callback_group
+        guard = GuardCondition(self.handle, callback, group)
         self.__created_entities.append(guard)
         return guard
 
@@ -641,8 +652,9 @@ class Node:
 
     def destroy_rate(self, rate: Rate) -> bool:
         """Destroy a rate and wake the thread that sleeps in it."""
+        was_created = self.destroy_timer(rate._timer)
         rate.destroy()
-        return self.destroy_timer(rate._timer)
+        return was_created
 
     def __keep_endpoint(
         self,
@@ -688,7 +700,8 @@ class Node:
         parameter = self.__parameter_store.values.get(name)
         if parameter is not None and parameter.type_ is not Parameter.Type.NOT_SET:
             return parameter
-        return alternative_value or Parameter(name, Parameter.Type.NOT_SET)
+        unset = Parameter(name, Parameter.Type.NOT_SET)
+        return unset if alternative_value is None else alternative_value
 
     def set_parameters(self, parameter_list: list[Parameter]) -> list[SetParametersResult]:
         """Set parameters one after the other and return a result for each.
@@ -704,7 +717,7 @@ class Node:
 
     def add_pre_set_parameters_callback(self, callback: Pre) -> None:
         """Add a callback that runs before a change; `callback(parameters)` returns the parameters to set."""
-        _require_callable(callback)
+        # Unlike the others, rclpy does not check this callback here.
         self.__parameter_store.pre_set_callbacks.insert(0, callback)
 
     def add_on_set_parameters_callback(self, callback: On) -> None:
@@ -744,7 +757,9 @@ class Node:
             descriptor: The description and limits; `dynamic_typing` allows values of any type.
             ignore_override: Whether overrides from outside the program are ignored.
         """
-        more = () if value is None and descriptor is None else (value, descriptor or ParameterDescriptor())
+        more: tuple[Any, ...] = ()
+        if value is not None or descriptor is not None:
+            more = (value, ParameterDescriptor() if descriptor is None else descriptor)
         return self.declare_parameters("", [(name, *more)], ignore_override)[0]
 
     def declare_parameters(
@@ -805,9 +820,9 @@ class Node:
 
     def get_parameters_by_prefix(self, prefix: str) -> dict[str, Parameter]:
         """Return the parameters whose names begin with `prefix.`, by the rest of their names."""
-        start = f"{prefix}." if prefix else ""
-        values = self.__parameter_store.values
-        return {name[len(start) :]: value for name, value in values.items() if name.startswith(start)}
+        start = prefix + "." if prefix else prefix
+        length, values = len(start), self.__parameter_store.values
+        return {name[length:]: value for name, value in values.items() if name.startswith(start)}
 
     def get_parameter_type(self, name: str) -> int:
         """Return the number of a parameter's type.
@@ -821,6 +836,8 @@ class Node:
 
     def get_parameter_types(self, names: Sequence[str]) -> list[int]:
         """Return the type numbers of several parameters."""
+        if not all(isinstance(name, str) for name in names):
+            raise TypeError("All names must be instances of type str")
         return [self.get_parameter_type(name) for name in names]
 
     def describe_parameter(self, name: str) -> ParameterDescriptor:
@@ -838,8 +855,10 @@ class Node:
 
     def list_parameters(self, prefixes: list[str], depth: int) -> ListParametersResult:
         """List names below prefixes, at most `depth` tokens deep (0: no limit), and their prefixes."""
-        if not isinstance(prefixes, list | tuple):
+        if not isinstance(prefixes, list):
             raise TypeError("The prefixes argument must be a list")
+        if not all(isinstance(prefix, str) for prefix in prefixes):
+            raise TypeError("All prefixes must be instances of type str")
         if not isinstance(depth, int):
             raise TypeError("The depth must be instance of type int")
         if depth < 0:

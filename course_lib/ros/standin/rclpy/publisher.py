@@ -38,6 +38,8 @@ class Publisher(TopicEnd[MsgT]):
     def wait_for_all_acked(self, timeout: Duration = Duration(seconds=-1)) -> bool:  # noqa: B008
         """Return True: published messages have already been delivered, because none are lost in transit."""
         self.handle.require()
+        if not isinstance(timeout, Duration):
+            timeout._duration_handle  # noqa: B018 - Python's error, as in rclpy
         return True
 
     def assert_liveliness(self) -> None:

@@ -44,7 +44,7 @@ class QoSOverridingOptions:
         callback: QosCallbackType | None = None,
         entity_id: str | None = None,
     ) -> None:
-        self.policy_kinds = tuple(policy_kinds)
+        self.policy_kinds = policy_kinds
         self.callback = callback
         self.entity_id = entity_id
 

@@ -3,15 +3,14 @@
 from typing import TypeVar
 
 from course_lib.ros.messages import RosMessage, deserialize, serialize
-from rclpy.impl.endpoint import NO_TYPE_SUPPORT
+from rclpy.impl.endpoint import require_type
 
 MsgT = TypeVar("MsgT", bound=RosMessage)
 
 
 def serialize_message(message: RosMessage) -> bytes:
     """Serialize a message."""
-    if not isinstance(message, RosMessage):
-        raise AttributeError(NO_TYPE_SUPPORT.format("type"))
+    require_type(type(message), "message")
     return serialize(message)
 
 
@@ -21,10 +20,7 @@ def deserialize_message(serialized_message: bytes, message_type: type[MsgT] | Ms
     Raises:
         CourseError: The bytes are not a message of this type.
     """
-    if isinstance(message_type, RosMessage):
-        message_type = type(message_type)
-    if not (isinstance(message_type, type) and issubclass(message_type, RosMessage)):
-        raise AttributeError(NO_TYPE_SUPPORT.format(type(message_type).__name__))
+    message_class: type[MsgT] = require_type(message_type, "message")
     if not isinstance(serialized_message, bytes):
         raise TypeError("rclpy_deserialize(): incompatible function arguments.")
-    return deserialize(serialized_message, message_type)
+    return deserialize(serialized_message, message_class)

@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 from service_msgs.msg import ServiceEventInfo
 
@@ -13,6 +13,7 @@ from course_lib.ros.messages import RosMessage, deserialize, serialize, type_nam
 from course_lib.ros.mistakes import Mistake, mark, marked
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock
+from rclpy.exceptions import RCLError
 from rclpy.impl.endpoint import Endpoint, claim_service
 from rclpy.impl.graph_queries import to_qos
 from rclpy.impl.node_handle import Entity, NodeHandle
@@ -44,9 +45,13 @@ class ServiceEnd(Entity):
         graph: Graph = node.graph
         names = [f"{prefix}{full_name}{suffix}" for prefix, suffix in SERVICE_TOPICS]
         types = [type_name(part) for part in (srv_type.Request, srv_type.Response)]
-        claim_service(node, "client" if asks else "service", full_name, types[0])
+        kind: Literal["client", "service"] = "client" if asks else "service"
+        claim_service(node, kind, full_name, types[0])
         sent_index, received_index = (0, 1) if asks else (1, 0)
-        offered_qos, requested_qos = to_qos(qos_profile, "pub"), to_qos(qos_profile, "sub")
+        try:
+            offered_qos, requested_qos = to_qos(qos_profile, "pub"), to_qos(qos_profile, "sub")
+        except RCLError:
+            raise RCLError(f"failed to create {kind}: create_{kind}() failed setting topic QoS") from None
         self._course_id = graph.add_publisher(node.id, names[sent_index], types[sent_index], offered_qos)
         received_id = graph.add_subscription(
             node.id,

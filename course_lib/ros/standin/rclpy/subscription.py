@@ -45,6 +45,7 @@ class Subscription(Entity, TopicEnd[MsgT]):
         Entity.__init__(self, node, callback_group)
         self.callback = callback
         self.raw = raw
+        self.__message_class: Any = msg_type if isinstance(msg_type, type) else type(msg_type)
         self.__takes_info = _takes_info(callback)
         self.__queue: deque[tuple[bytes, int, int]] = deque()
         qos = to_qos(qos_profile, "sub")
@@ -63,7 +64,7 @@ class Subscription(Entity, TopicEnd[MsgT]):
         if not self.__queue:
             return None
         cdr, source_ns, received_ns = self.__queue.popleft()
-        message: Any = cdr if self.raw else deserialize(cdr, self.msg_type)
+        message: Any = cdr if self.raw else deserialize(cdr, self.__message_class)
         if not self.__takes_info:
             return partial(self.callback, message)
         info = MessageInfo(

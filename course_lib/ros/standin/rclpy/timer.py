@@ -12,7 +12,7 @@ from rclpy.clock import Clock, ClockChange, ClockType, JumpHandle, JumpThreshold
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.exceptions import INVALID_CONTEXT, InvalidHandle, RCLError, ROSInterruptException
-from rclpy.impl.node_handle import Entity, NodeHandle
+from rclpy.impl.node_handle import Entity, NodeHandle, require_bool
 
 # rcl stores periods as signed 64-bit nanoseconds.
 _LONGEST_NS = 2**63 - 1
@@ -45,6 +45,7 @@ class Timer(Entity):
     ) -> None:
         if abs(timer_period_ns) > _LONGEST_NS:
             raise TypeError("__init__(): incompatible constructor arguments.")
+        require_bool(autostart)
         if timer_period_ns < 0:
             raise RCLError("failed to create timer: timer period must be non-negative")
         if not node.context.is_valid:

@@ -13,7 +13,7 @@ RMW = "rmw_course_lib"
 
 def ok(*, context: Context | None = None) -> bool:
     """Return whether the context is initialized and not shut down, and the run has not ended."""
-    return (context or get_default_context()).ok()
+    return (get_default_context() if context is None else context).ok()
 
 
 def get_rmw_implementation_identifier() -> str:

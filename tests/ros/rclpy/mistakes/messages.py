@@ -3,6 +3,16 @@
 # (program, last line of the error, hint below it)
 MESSAGES = [
     (
+        "Marker.CUBE = Marker.SPHERE",
+        "AttributeError: property 'CUBE' of 'Metaclass_Marker' object has no setter",
+        "a constant cannot be changed. Assign it to the field: `marker.type = Marker.CUBE`.",
+    ),
+    (
+        "float(Twist)",
+        "TypeError: float() argument must be a string or a real number, not 'Metaclass_Twist'",
+        "Twist is a class, and a message is needed: create one with ( ), Twist(…).",
+    ),
+    (
         "Marker('a', 1)",
         "TypeError: Marker.__init__() takes 1 positional argument but 3 were given",
         "pass each value with the name of its field: Marker(ns=…, id=…).",

@@ -52,6 +52,11 @@ TOPICS = [
         "create an object: `String()`, with ().",
     ),
     (
+        "node.create_publisher(String(), 'chatter', 10).publish(String())",
+        "TypeError: isinstance() arg 2 must be a type, a tuple of types, or a union",
+        "pass the class and not an object of it: String, without ( ).",
+    ),
+    (
         "node.create_publisher(String, 'chatter', 10).publish(Twist())",
         "TypeError: Expected <class 'std_msgs.msg._string.String'>, got <class "
         "'geometry_msgs.msg._twist.Twist'>",

@@ -73,8 +73,15 @@ class ClientGoalHandle:
         """Request the result and return its future. The response holds `status` and `result`."""
         client = self._action_client
         future = client._course_results.call_async(client._course_result_request(self))
-        future.add_done_callback(lambda _: client._feedback_callbacks.pop(bytes(self.goal_id.uuid), None))
+        future.add_done_callback(self.__on_result)
         return future
+
+    def __on_result(self, future: Future[Any]) -> None:
+        self._action_client._feedback_callbacks.pop(bytes(self.goal_id.uuid), None)
+        response = future.result()
+        if response is not None:
+            # In ROS the last message about the status has arrived by now.
+            self.status = response.status
 
     def __cancel_request(self) -> CancelGoal.Request:
         return CancelGoal.Request(goal_info=GoalInfo(goal_id=self.goal_id))

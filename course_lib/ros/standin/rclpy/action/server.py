@@ -205,7 +205,7 @@ class ActionServer:
         self.register_goal_callback(goal_callback)
         self.register_cancel_callback(cancel_callback)
         self.register_execute_callback(execute_callback)
-        if not isinstance(result_timeout, int | float):
+        if not isinstance(result_timeout, int | float) and not hasattr(result_timeout, "__index__"):
             raise TypeError("__init__(): incompatible constructor arguments.")
         if result_timeout < 0:
             raise ValueError("Failed to create action server: timer period must be non-negative")

@@ -11,7 +11,7 @@ from rclpy.impl.logging_severity import LoggingSeverity
 from rclpy.parameter import Parameter
 
 _RULE = re.compile(
-    r"(?:(?P<node>[A-Za-z_]\w*):(?!//))?(?:(?P<kind>rostopic|rosservice)://)?(?P<match>[\w~/{}.-]+):=(?P<to>.*)",
+    r"(?:(?P<node>[A-Za-z_]\w*):(?!//))?(?:(?P<kind>rostopic|rosservice)://)?(?P<match>[\w~/.-]+):=(?P<to>.*)",
     re.DOTALL,
 )
 INVALID_ARGUMENTS = "Failed to parse ROS arguments: "

@@ -14,8 +14,7 @@ from rclpy.qos import QoSPolicyKind, QoSProfile
 
 MsgT = TypeVar("MsgT", bound=RosMessage)
 
-NO_TYPE_SUPPORT = (
-    "type object '{}' has no attribute '_TYPE_SUPPORT'"
+_NO_TYPE_SUPPORT = (
     " This might be a ROS 1 message type but it should be a ROS 2 message type."
     " Make sure to source your ROS 2 workspace after your ROS 1 workspace."
 )
@@ -199,15 +198,22 @@ def claim_service(
         raise marked(error, Mistake.TWO_TYPES) from None
 
 
-def require_type(given: Any, kind: Literal["message", "service", "action"]) -> None:
-    """Raise rclpy's error if a class is not a type of this kind."""
-    if not isinstance(given, type) or not hasattr(given, "_TYPE_NAME"):
-        raise AttributeError(NO_TYPE_SUPPORT.format(type(given).__name__))
-    actual_kind = (
-        "message" if issubclass(given, RosMessage) else "service" if hasattr(given, "Request") else "action"
+def require_type(given: Any, kind: Literal["message", "service", "action"]) -> Any:
+    """Return the class of a type, or of a message given instead of its class, which rclpy accepts.
+
+    Raise rclpy's error if it is not a type of this kind.
+    """
+    try:
+        given.__class__._TYPE_SUPPORT  # noqa: B018 - as in rclpy
+    except AttributeError as error:
+        error.args = (f"{error}{_NO_TYPE_SUPPORT}",)
+        raise
+    interface = given if isinstance(given, type) else type(given)
+    is_message = issubclass(interface, RosMessage)
+    actual_kind = "message" if is_message else "service" if hasattr(interface, "Request") else "action"
+    if actual_kind == kind:
+        return interface
+    first, second = (other for other in ("message", "service", "action") if other != kind)
+    raise RuntimeError(
+        f"The {kind} type provided is not valid ({given}), this might be a {first} or {second}"
     )
-    if actual_kind != kind:
-        first, second = (other for other in ("message", "service", "action") if other != kind)
-        raise RuntimeError(
-            f"The {kind} type provided is not valid ({given}), this might be a {first} or {second}"
-        )

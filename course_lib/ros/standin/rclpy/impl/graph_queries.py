@@ -164,11 +164,15 @@ def service_endpoints(node: NodeHandle, service_name: str, failed: str) -> list[
 
 def endpoints_of(asking: NodeHandle, name: str, namespace: str, kind: str) -> list[EndpointInfo]:
     """List the endpoints of a node. Raise an RCLError if there is no such node."""
+    if not isinstance(name, str) or not isinstance(namespace, str):
+        raise TypeError(f"rclpy_get_{kind}_names_and_types_by_node(): incompatible function arguments.")
+    namespace = namespace or "/"
     try:
         names.validate_node_name(name)
         names.validate_namespace(namespace)
     except NameValidationException as error:
-        failed = f"failed to get {kind} names and types: {error.error_msg}, result: 2"
+        result = 2 if name else 1
+        failed = f"failed to get {kind} names and types: {error.error_msg}, result: {result}"
         raise RCLError(failed) from None
     graph = asking.graph
     node_ids = [node.id for node in graph.nodes() if (node.name, node.namespace) == (name, namespace)]
@@ -209,7 +213,7 @@ def to_qos(profile: QoSProfile, kind: Literal["pub", "sub"]) -> Qos:
     if not isinstance(profile, QoSProfile):
         raise AttributeError(f"'{type(profile).__name__}' object has no attribute 'get_c_qos_profile'")
     policy_values = {name: getattr(profile, name) for name in POLICIES}
-    if any(one.name == "UNKNOWN" for one in policy_values.values()):
+    if profile.depth < 0 or any(one.name == "UNKNOWN" for one in policy_values.values()):
         failed = "publisher: create_publisher() failed setting topic QoS"
         raise RCLError(f"Failed to create {failed if kind == 'pub' else 'subscription: invalid allocator'}")
     if kind == "pub" and policy_values["durability"] is DurabilityPolicy.SYSTEM_DEFAULT:

@@ -240,6 +240,12 @@ def enter_graph(context: Context, name: str, namespace: str, arguments: Argument
     return NodeHandle(context, name, absolute, arguments)
 
 
+def require_bool(value: object, text: str = "__init__(): incompatible constructor arguments.") -> None:
+    """Raise pybind11's error for an argument that it cannot convert to a bool."""
+    if value is not None and not hasattr(type(value), "__bool__"):
+        raise TypeError(text)
+
+
 def require_node(node: NodeHandle, failed: str) -> None:
     """Check the node of an action client or server. Errors are ValueErrors, as in rcl_action."""
     try:

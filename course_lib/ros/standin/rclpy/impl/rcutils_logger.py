@@ -211,7 +211,10 @@ class RcutilsLogger:
         """
         if not self.is_enabled_for(severity):
             return False
-        severity, name = LoggingSeverity(severity), kwargs.pop("name", self.name) or ""
+        severity, name = LoggingSeverity(severity), kwargs.pop("name", self.name)
+        if not isinstance(name, str | None):
+            raise TypeError("rclpy_logging_rcutils_log(): incompatible function arguments.")
+        name = name or ""
         # The frame that called the logger.
         frame = sys._getframe(1)
         while frame.f_back is not None and frame.f_code.co_filename == __file__:
