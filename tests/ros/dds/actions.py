@@ -1,4 +1,4 @@
-"""Programs with an action, and how a program is run in a kit whose network loses datagrams."""
+"""Programs with an action for both links, and how one runs in a kit whose network loses datagrams."""
 
 import os
 import sys
