@@ -19,6 +19,7 @@ from course_lib.grading.records import (
     TaskResult,
     count_days_late,
 )
+from course_lib.grading.reports.table import escape_formula
 from course_lib.grading.reports.tables import write_gradebook
 from course_lib.grading.run.run import Run
 from course_lib.grading.task import Scenario, Task
@@ -92,7 +93,7 @@ def raising(evidence: Evidence) -> Verdict:
 def test_raising_check_scores_zero_and_needs_review() -> None:
     result = judge_checks(Check("my check", raising), scoring(1.0))
     assert (result.score, result.needs_hand_mark) == (25, True)
-    assert result.checks[0].broken == "tests/grading/test_marks.py line 88: KeyError: 'week01.demo'"
+    assert result.checks[0].broken == "tests/grading/test_marks.py line 89: KeyError: 'week01.demo'"
     assert "KeyError" not in result.checks[0].message + result.checks[0].mistake
     assert not replace(result, manual=50.0).needs_hand_mark
 
@@ -105,7 +106,7 @@ def test_check_reports_a_broken_required_check() -> None:
     result = judge_checks(scoring(1.0).requiring(Check("my check", raising)))
     assert (result.checks[0].score, result.checks[0].broken) == (
         0,
-        "tests/grading/test_marks.py line 88: KeyError: 'week01.demo'",
+        "tests/grading/test_marks.py line 89: KeyError: 'week01.demo'",
     )
 
 
@@ -127,6 +128,11 @@ def test_required_check_is_evaluated_once_per_run() -> None:
     shaped = Check("shape", shape)
     assert judge_checks(shaped, *[scoring(1.0).requiring(shaped)] * 5).passed
     assert calls == ["public"]
+
+
+@pytest.mark.parametrize("start", ["=", "+", "-", "@", "\t", "\r", "\uff1d", "\uff0b", "\uff0d", "\uff20"])
+def test_text_that_a_spreadsheet_takes_for_a_formula_is_escaped(start: str) -> None:
+    assert escape_formula(f"{start}cmd()") == f"'{start}cmd()"
 
 
 def test_formula_in_the_gradebook_is_escaped(tmp_path: Path) -> None:
