@@ -17,6 +17,7 @@ TOO_DEEP = "it is nested too deeply for Python: split the expression"
 # Python's limit is 1,000 calls. A visitor makes two to four calls per level, from within other
 # calls.
 MAX_NESTING = 200
+NOT_UTF8 = "it is not text in UTF-8: save it in this encoding"
 NULL_BYTES = "it contains null bytes: save it as text in UTF-8"
 # Maximum size [B] of the input of an XML or YAML parser, which uses a multiple of this memory.
 MOST_TEXT = 32_000_000
@@ -26,6 +27,9 @@ NOT_FETCHED = (
     "the file holds a pointer of Git LFS instead of its data. Fetch the data in the clone: "
     "git lfs install, then git lfs pull"
 )
+# Maximum size [B] of any other file that is read as a whole, such as a mesh or a notebook, of which
+# the reader holds several copies.
+MOST_BYTES = 300_000_000
 _SPECIAL_FILES = {
     stat.S_ISFIFO: "a named pipe",
     stat.S_ISSOCK: "a socket",
@@ -42,20 +46,24 @@ def read_text(path: Path, errors: str = "strict") -> str:
         errors: What to do with bytes that are not UTF-8, as for `open`.
 
     Raises:
-        OSError: The path is not a regular file that can be read, or has more than MOST_TEXT bytes.
+        OSError: The path is not a regular file that can be read, has more than MOST_TEXT bytes, or is
+            a pointer of Git LFS.
         UnicodeDecodeError: The file is not UTF-8.
     """
     check_size(path, MOST_TEXT)
-    return path.read_text(encoding="utf-8", errors=errors)
+    text = path.read_text(encoding="utf-8", errors=errors)
+    if text.startswith(LFS_POINTER.decode()):
+        raise OSError(errno.EINVAL, NOT_FETCHED, str(path))
+    return text
 
 
 def read_bytes(path: Path) -> bytes:
     """Return the content of a file.
 
     Raises:
-        OSError: The path is not a regular file that can be read.
+        OSError: The path is not a regular file that can be read, or has more than MOST_BYTES bytes.
     """
-    check_regular(path)
+    check_size(path, MOST_BYTES)
     return path.read_bytes()
 
 

@@ -43,6 +43,21 @@ def test_command_reports_a_named_pipe(arguments: Sequence[str], tmp_path: Path) 
     assert "named pipe" in process.stdout + process.stderr
 
 
+@pytest.mark.parametrize("name", ["huge.py", "huge.ipynb", "huge.launch.py", "huge.launch.xml"])
+def test_program_that_is_larger_than_the_memory_is_not_read(name: str, tmp_path: Path) -> None:
+    with (tmp_path / name).open("wb") as file:
+        file.truncate(2**40)
+    process = subprocess.run(
+        [sys.executable, "-m", "course_lib", "run", name],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+    )
+    assert process.returncode in (1, 2)
+    assert "File too large" in process.stdout + process.stderr
+
+
 def test_package_with_a_named_pipe_as_manifest_is_reported(tmp_path: Path) -> None:
     (tmp_path / "src" / "arm").mkdir(parents=True)
     os.mkfifo(tmp_path / "src" / "arm" / "package.xml")

@@ -13,7 +13,7 @@ from typing import Any, ClassVar, TypeAlias
 from course_lib.displays.display import GROUP
 from course_lib.displays.properties import Property, PropertyHolder, color, frame, integer, words
 from course_lib.errors import CourseError
-from course_lib.third_party import read_text
+from course_lib.third_party import NOT_UTF8, read_text
 
 _NULLS = ("", "~", "null", "Null", "NULL")
 _NULL = "tag:yaml.org,2002:null"
@@ -211,7 +211,7 @@ def read_layout(path: str | Path) -> Layout:
     except OSError as error:
         raise CourseError(f"Cannot read the layout {path}: {error.strerror}.") from None
     except UnicodeDecodeError:
-        raise CourseError(f"{path} is not an .rviz file: it is a binary file.") from None
+        raise CourseError(f"{path} is not an .rviz file: {NOT_UTF8}.") from None
     except CourseError as error:
         raise CourseError(f"{path}, {error}") from None
 

@@ -26,7 +26,7 @@ from course_lib.errors import CourseError, did_you_mean, shorten_words
 from course_lib.robots.urdf import MOVING, Urdf, links_of, parse_urdf
 from course_lib.ros.programs.packages import packages, packages_below, share_folder, workspace_of
 from course_lib.ros.programs.xacro_program import expand_xacro, is_xacro
-from course_lib.third_party import read_text
+from course_lib.third_party import NOT_UTF8, read_text
 from course_lib.viewer.drawables import MeshFileError, load_mesh
 
 if TYPE_CHECKING:
@@ -607,5 +607,7 @@ def import_pinocchio(package: str) -> Any:
 def _read(path: Path) -> str:
     try:
         return read_text(path)
-    except (OSError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
+        raise CourseError(f"Cannot read {path}: {NOT_UTF8}.") from error
+    except OSError as error:
         raise CourseError(f"Cannot read {path}: {error}. Pass a URDF file, or a name like 'ur10'.") from error

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from course_lib.arrays import Bytes, Float32s, Floats, Matrix, Reals, UInt32s, Vector
 from course_lib.errors import CourseError
-from course_lib.third_party import LFS_POINTER, NOT_FETCHED, check_size, read_bytes
+from course_lib.third_party import LFS_POINTER, NOT_FETCHED, read_bytes
 
 FAR = 1000.0  # [m]
 
@@ -378,8 +378,6 @@ logging.getLogger("trimesh").addHandler(logging.NullHandler())
 Part: TypeAlias = tuple[Any, Matrix]
 
 FORMATS = ("dae", "stl", "obj")
-# Maximum size [B] of a file, of which the reader and the scene hold several copies.
-MOST_BYTES = 300_000_000
 
 # Material bindings of a DAE file. pycollada drops parts with a broken material, RViz does not.
 _PAINT = re.compile(rb"<bind_material>.*?</bind_material>", re.S)
@@ -398,7 +396,6 @@ def load_mesh(path: Path) -> Mesh:
         MeshFileError: It is not such a file, or is damaged.
     """
     try:
-        check_size(path, MOST_BYTES)
         return parse_mesh(read_bytes(path), path.suffix.lstrip(".").lower(), folder=path.parent)
     except (OSError, MeshFileError) as error:
         raise MeshFileError(f"{path}: {error}") from error

@@ -227,5 +227,5 @@ def test_missing_or_binary_layout_file_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(CourseError, match=r"Cannot read the layout .*: Is a directory\."):
         read_layout(tmp_path)
     (tmp_path / "picture.rviz").write_bytes(b"\x89PNG\xff\xfe")
-    with pytest.raises(CourseError, match="it is a binary file"):
+    with pytest.raises(CourseError, match="it is not text in UTF-8: save it in this encoding"):
         read_layout(tmp_path / "picture.rviz")

@@ -89,7 +89,7 @@ def test_missing_file_is_an_error(name: str | Path) -> None:
 def test_binary_file_is_rejected(tmp_path: Path) -> None:
     path = tmp_path / "arm.urdf"
     path.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(CourseError, match=r"Cannot read .*arm\.urdf: .*codec"):
+    with pytest.raises(CourseError, match=r"Cannot read .*arm\.urdf: it is not text in UTF-8"):
         load_robot(path)
 
 
@@ -143,6 +143,22 @@ def test_error_about_a_macro_only_xacro_file_suggests_a_file_to_load(
     path.write_text(f'<robot xmlns:xacro="http://www.ros.org/wiki/xacro">{macros}</robot>')
     with pytest.raises(CourseError, match=rf"No name given for the robot\. The file {advice}"):
         load_robot(path)
+
+
+@pytest.mark.parametrize(
+    ("data", "advice"),
+    [
+        ('<robot name="é"/>'.encode("latin-1"), "it is not text in UTF-8: save it in this encoding"),
+        (b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n", "then git lfs pull"),
+    ],
+)
+@pytest.mark.parametrize("name", ["arm.urdf", "arm.urdf.xacro"])
+def test_unreadable_description_is_reported_with_its_cause(
+    name: str, data: bytes, advice: str, tmp_path: Path
+) -> None:
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(CourseError, match=advice):
+        load_robot(tmp_path / name)
 
 
 def test_error_about_a_description_without_links_suggests_the_including_file(tmp_path: Path) -> None:
