@@ -126,7 +126,14 @@ def test_missing_fact_is_reported(evidence: MakeEvidence) -> None:
 
 @pytest.mark.parametrize(
     ("returned", "what"),
-    [([13.0], "a list"), ("13.0", "a str"), ({"object": "a set"}, "a set")],
+    [
+        ([13.0], "a list"),
+        ("13.0", "a str"),
+        ({"object": "a set"}, "a set"),
+        (13.0, "a float"),
+        (13, "an int"),
+        (True, "a bool"),
+    ],
 )
 def test_facts_that_are_not_a_dict_are_reported(evidence: MakeEvidence, returned: Any, what: str) -> None:
     message = expect_fact("threshold", serial=26).judge(evidence(returns=(returned,))).message

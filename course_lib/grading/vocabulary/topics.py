@@ -515,11 +515,13 @@ def expect_fact(evidence: Evidence, name: str, *, serial: int) -> Iterable[Probl
     if facts == RAISED:
         return [Problem(f"{name} is missing: the call raised an exception", "a value is missing")]
     is_object = isinstance(facts, dict) and list(facts) == ["object"]
-    if facts is None or isinstance(facts, list | str) or is_object:
-        kind = "nothing" if facts is None else facts["object"] if is_object else f"a {type(facts).__name__}"
+    if not isinstance(facts, dict) or is_object:
+        type_text = type(facts).__name__
+        with_article = f"{'an' if type_text == 'int' else 'a'} {type_text}"
+        kind = "nothing" if facts is None else facts["object"] if is_object else with_article
         message = f"{kind} was returned, expected a dict with the key {name!r}"
         return [Problem(message, "a value is of the wrong kind")]
-    if not isinstance(facts, dict) or name not in facts:
+    if name not in facts:
         own = f"only {', '.join(map(repr, facts))}"[:MAX_KEYS] if facts else "it is empty"
         return [Problem(f"the returned dict has no key {name!r}, {own}", "a fact is missing")]
     if is_fact(serial, name, facts[name]):
