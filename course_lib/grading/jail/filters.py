@@ -149,7 +149,9 @@ BY_ARGUMENT = (
     # rt_sigaction: without SIGCHLD, the kernel would not count the times of ended processes.
     ((13, 134), 0, IF_EQUAL, (17,)),
     ((157, 167), 0, IF_EQUAL, (DUMPABLE,)),  # prctl: it would hide the open files from the template
-    ((72, 25), 1, IF_EQUAL, (8, 10, 15)),  # fcntl: F_SETOWN, _SETSIG, _SETOWN_EX make the kernel send signals
+    # fcntl: F_SETOWN, _SETSIG, _SETOWN_EX make the kernel send signals; F_SETLEASE makes other
+    # programs wait that write a file, and F_NOTIFY watches folders.
+    ((72, 25), 1, IF_EQUAL, (8, 10, 15, 1024, 1026)),
     # ioctl: likewise, and TIOCSTI injects input into a terminal
     ((16, 29), 1, IF_EQUAL, (0x8901, 0x8902, 0x5412)),
     ((53, 199), 1, IF_ANY_BIT, (2,)),  # socketpair: datagrams can be sent to any socket

@@ -38,6 +38,8 @@ ATTACKS = {
     "a signal by a file": "fcntl.fcntl(0, fcntl.F_SETOWN, {pid})",
     "a file in a message": "socket.send_fds(socket.socketpair()[0], [b'x'], [0])",
     "hidden files": "libc.prctl(4, 0, 0, 0, 0) and 1 / 0",
+    "a lease": "fcntl.fcntl(os.open('own', os.O_RDONLY), fcntl.F_SETLEASE, fcntl.F_RDLCK)",
+    "a watched folder": "fcntl.fcntl(os.open('.', os.O_RDONLY), fcntl.F_NOTIFY, 0)",
     "uncounted processes": "signal.signal(signal.SIGCHLD, signal.SIG_IGN)",
     "the mode of a file": "[os.chmod('own', 0o700), os.stat('own').st_mode & 0o100 or 1 / 0]",
     "another user": "os.setresuid(0, 0, 0)",
@@ -67,6 +69,7 @@ NETWORK = {"a socket", "a connection"}
 CALLS = {
     "another program", "a datagram", "a signal by a file", "the mode of a file", "memory in files",
     "another user", "a file in a message", "hidden files", "uncounted processes",
+    "a lease", "a watched folder",
 }  # fmt: skip
 BUBBLEWRAP = "bubblewrap"
 OPEN = {  # disabled layers: remaining layers
