@@ -201,8 +201,8 @@ def _refresh(folder: Path) -> Refresh:
 
 
 def _write(newest: Path, place: Path) -> None:
-    place.parent.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(newest, place)
+    # A partial file would count as one that the student has edited.
+    write_atomically(place, read_bytes(newest))
 
 
 def _free_name(path: Path) -> Path:

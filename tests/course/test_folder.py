@@ -1,4 +1,5 @@
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -42,6 +43,24 @@ def test_package_contains_lessons_and_exercises_without_checks_and_solutions() -
 def test_folder_for_lesson_files_is_created(tmp_path: Path, release: Path) -> None:
     prepare(tmp_path / "course")
     assert (tmp_path / "course" / "my_files").is_dir()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit on the size of files")
+def test_file_that_does_not_fit_on_the_disk_is_copied_by_the_next_call(tmp_path: Path, release: Path) -> None:
+    import resource
+
+    place = tmp_path / "course"
+    prepare(place)
+    (release / "week01_exercise.ipynb").write_text(notebook("second" * 1000))
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, hard))
+    try:
+        with pytest.raises(CourseError, match="can't write into"):
+            prepare(place)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert "first" in (place / "week01_exercise.ipynb").read_text()
+    assert prepare(place).lines() == ["updated: week01_exercise.ipynb"]
 
 
 def test_missing_files_are_copied_and_a_second_call_changes_nothing(tmp_path: Path, release: Path) -> None:
