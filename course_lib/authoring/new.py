@@ -11,7 +11,7 @@ from course_lib.course.course_file import read_course_file
 from course_lib.course.exercise import Notebook, exercise_from, notebook_text
 from course_lib.course.state import DISTRIBUTION
 from course_lib.errors import CourseError
-from course_lib.files import write_atomically
+from course_lib.files import draft_folder, write_atomically
 from course_lib.grading.store import Course
 
 HERE = Path(__file__).parent / "templates"
@@ -61,11 +61,15 @@ def new_week(week: str, title: str, course: Course) -> list[Path]:
         )
     check_title(title)
     new_files = dict(_week_files(week, title, course))
-    there = [path for path in new_files if path.exists()]
+    # Equal files were written by a run that was interrupted before the entry in course.toml.
+    there = [
+        path
+        for path, data in new_files.items()
+        if path.exists() and not (path.is_file() and path.read_bytes() == data)
+    ]
     if there:
         raise CourseError(f"{there[0]} already exists: move it away, or choose another week")
     for path, data in new_files.items():
-        path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(path, data)
     entry = render(WEEK_TEMPLATE, "course.toml", _values(week, title, course))
     write_atomically(settings, (settings.read_text(encoding="utf-8").rstrip() + "\n" + entry).encode())
@@ -180,18 +184,20 @@ def new_course(title: str, inside: Path) -> Path:
 
     Raises:
         CourseError: The title is invalid, or the folder exists already.
+        OSError: The course cannot be written. Nothing of it is left then.
     """
     check_title(title)
     root = inside / slug(title)
     if root.exists():
         raise CourseError(f"{root} already exists: move it away, or choose another title")
-    course = Course(root / "exercises", root / "solutions")
-    for folder in (course.exercises, course.solutions, course.lessons):
-        folder.mkdir(parents=True)
-    for path, data in _course_files(root, title).items():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(path, data)
-    new_week(*FIRST_WEEK, course)
+    with draft_folder(root) as draft:
+        course = Course(draft / root.name / "exercises", draft / root.name / "solutions")
+        for folder in (course.exercises, course.solutions, course.lessons):
+            folder.mkdir(parents=True)
+        for path, data in _course_files(draft / root.name, title).items():
+            write_atomically(path, data)
+        new_week(*FIRST_WEEK, course)
+        (draft / root.name).rename(root)
     return root
 
 

@@ -1,6 +1,7 @@
 """`course new course "Robotics 101"` creates an installable project, tested from creation to a mark."""
 
 import csv
+import errno
 import json
 import os
 import subprocess
@@ -40,6 +41,20 @@ def run(*command: str | Path, cwd: Path, code: int = 0) -> str:
     )
     assert done.returncode == code, done.stdout + done.stderr
     return done.stdout + done.stderr
+
+
+def test_course_that_cannot_be_written_completely_leaves_no_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patch:
+        patch.setattr("course_lib.authoring.new.new_week", fail)
+        with pytest.raises(OSError, match="No space left on device"):
+            new_course("Robotics 101", tmp_path)
+    assert list(tmp_path.iterdir()) == []
+    assert (new_course("Robotics 101", tmp_path) / "pyproject.toml").is_file()
 
 
 @pytest.fixture(scope="module")

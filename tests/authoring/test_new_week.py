@@ -13,9 +13,32 @@ from course_lib.authoring.rules import ASPECTS
 from course_lib.authoring.verify import lines, verify
 from course_lib.course.course_file import read_course_file
 from course_lib.errors import CourseError
+from course_lib.files import write_atomically
 from course_lib.grading.store import Course
 from tests.patience import PATIENCE
 from tests.test_house import PUBLIC
+
+
+def test_interrupted_new_week_is_completed_by_the_same_command(
+    course: Course, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    count = 0
+
+    def write_some(path: Path, data: bytes) -> None:
+        nonlocal count
+        count += 1
+        if count > 4:
+            raise KeyboardInterrupt
+        write_atomically(path, data)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("course_lib.authoring.new.write_atomically", write_some)
+        with pytest.raises(KeyboardInterrupt):
+            new_week("week10", "Planning", course)
+    with pytest.raises(CourseError, match=r"week10_solution\.ipynb already exists"):
+        new_week("week10", "Other title", course)
+    assert all(path.is_file() for path in new_week("week10", "Planning", course))
+    assert "week10" in read_course_file(course.exercises / "course.toml").weeks
 
 
 @pytest.mark.slow
