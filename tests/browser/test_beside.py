@@ -1,10 +1,13 @@
 """The panel next to the notebook, in real JupyterLab."""
 
 import os
+from base64 import b64decode
 from collections.abc import Iterator
+from io import BytesIO
 from pathlib import Path
 
 import pytest
+from PIL import Image
 from playwright.sync_api import Locator, expect
 
 from tests.browser.jupyterlab import VIEWPORT, Lab, Notebook, opened, red_pixels, view_of, write_notebook
@@ -17,6 +20,7 @@ ENOUGH = 5000  # [px] of the cube
 FILE_BROWSER = ".jp-FileBrowser"
 READABLE = 79  # columns of code
 NARROWEST = 400  # [px]
+WHITE = (255, 255, 255)
 OTHER = """\
 other = Viewer()
 other"""
@@ -103,12 +107,14 @@ def test_view_is_docked_and_later_cells_show_one_line_instead_of_it(notebook: No
 
 
 def test_cells_keep_the_picture_of_a_view_beside_the_notebook(notebook: Notebook) -> None:
-    sizes = """() => [...document.querySelectorAll(".jp-Notebook .course-keeps")]
-        .map((element) => element.courseKeeps()?.["image/png"].length ?? 0)"""
+    script = """() => [...document.querySelectorAll(".jp-Notebook .course-keeps")]
+        .map((element) => element.courseKeeps()?.["image/png"] ?? "")"""
     wait_until(lambda: red_pixels(panel(notebook)) > ENOUGH, notebook.page, A_FRAME)
-    assert all(size > 2000 for size in notebook.page.evaluate(sizes))
+    for content in notebook.page.evaluate(script):
+        image = Image.open(BytesIO(b64decode(content))).convert("RGB")
+        assert image.getpixel((image.width - 1, 0)) != WHITE, "the view is narrower than its picture"
     # A coarse picture may still be replaced once. Then nothing has changed since the last one.
-    wait_until(lambda: notebook.page.evaluate(sizes) == [0, 0], notebook.page)
+    wait_until(lambda: notebook.page.evaluate(script) == ["", ""], notebook.page)
 
 
 def test_buttons_move_the_view_between_its_cells_and_the_side_panel(notebook: Notebook) -> None:

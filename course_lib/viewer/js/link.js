@@ -17,6 +17,8 @@ const CAPTION = "Picture of a 3D view. Run the cells in JupyterLab to bring it t
 const CLOSED_AFTER = 1000; // [ms] after the end of a kernel its side panel is gone
 const SAVED_WIDTH = 480; // [px] of the picture that is saved with the notebook, as in widget.py
 const SAVED_HEIGHT = 360; // [px] a side panel is higher than wide
+const CAPTION_FONT = "12px CourseSans, sans-serif";
+const LINE_HEIGHT = 16; // [px]
 const ENDED_STATUSES = ["dead", "terminating", "restarting", "autorestarting"]; // JupyterLab's statuses of a kernel that has ended
 
 /**
@@ -216,13 +218,27 @@ export class Link {
 function pictureToSave(canvas) {
   const scale = Math.min(SAVED_WIDTH / canvas.width, SAVED_HEIGHT / canvas.height);
   const [width, height] = [Math.round(scale * canvas.width), Math.round(scale * canvas.height)];
-  const small = Object.assign(document.createElement("canvas"), { width: SAVED_WIDTH, height: height + 20 });
+  const small = document.createElement("canvas");
   const context = /** @type {CanvasRenderingContext2D} */ (small.getContext("2d"));
+  context.font = CAPTION_FONT;
+  const lines = wrap(CAPTION, width - 8, context);
+  Object.assign(small, { width, height: height + 4 + LINE_HEIGHT * lines.length }); // which resets the font
   context.fillStyle = "white";
   context.fillRect(0, 0, small.width, small.height);
   context.drawImage(canvas, 0, 0, width, height);
-  context.font = "12px CourseSans, sans-serif";
+  context.font = CAPTION_FONT;
   context.fillStyle = "black";
-  context.fillText(CAPTION, 4, height + 14);
+  lines.forEach((line, i) => context.fillText(line, 4, height + 14 + LINE_HEIGHT * i));
   return { "image/png": small.toDataURL("image/png").split(",")[1] };
+}
+
+/** @param {string} text @param {number} width [px] @param {CanvasRenderingContext2D} context @returns {string[]} lines of this width */
+function wrap(text, width, context) {
+  const lines = [""];
+  for (const word of text.split(" ")) {
+    const longer = `${lines[lines.length - 1]} ${word}`.trim();
+    if (context.measureText(longer).width > width && longer !== word) lines.push(word);
+    else lines[lines.length - 1] = longer;
+  }
+  return lines;
 }
