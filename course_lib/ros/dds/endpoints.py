@@ -28,6 +28,8 @@ MAX_PENDING = 256
 MAX_PARTIAL = 8
 # Limit on the bytes of all incomplete messages of a reader.
 MAX_PARTIAL_BYTES = 2 * wire.MAX_MESSAGE
+# Number of signs in a row that a remote writer has started anew with the same GUID.
+RESTART_SIGNS = 3
 # Memory of the number of a missing fragment [B].
 FRAGMENT_OVERHEAD = 100
 
@@ -158,7 +160,9 @@ class Writer(OwnEndpoint[MatchedReader]):
         reader = self.matched.get(guid)
         if reader is None:
             return
-        reader.acknowledged = max(reader.acknowledged, min(base - 1, self.last))
+        # It is lower than before if the reader has restarted with the same GUID. A late report makes
+        # no difference, because the next heartbeat is answered with the present number.
+        reader.acknowledged = min(base - 1, self.last)
         lost: list[int] = []
         for number in missing:
             if number >= reader.first and number in self._history:
@@ -292,6 +296,8 @@ class MatchedWriter:
         requests: How many more times the reader requests a first heartbeat.
         last_heartbeat: Count of the last heartbeat. A robot may send each one over several ways.
         is_ack_due: Whether a heartbeat waits for its acknowledgement.
+        signs: How many heartbeats or messages in a row were from long before `due`, each with a
+            larger count or number than the one before, `last_sign`.
     """
 
     endpoint: Endpoint
@@ -301,11 +307,34 @@ class MatchedWriter:
     requests: int = FIRST_REQUESTS
     last_heartbeat: int | None = None
     is_ack_due: bool = False
+    signs: int = 0
+    last_sign: int = 0
 
     @property
     def has_answered(self) -> bool:
         """Whether the writer has matched the reader as well, or has not answered in time."""
         return self.requests == 0
+
+    def has_restarted(self, number: int, sign: int) -> bool:
+        """Return whether the writer numbers its messages from 1 again, and forget its former numbers.
+
+        Embedded devices keep their GUID when they restart. Late datagrams are from before `due` as
+        well, but not from long before, and newer ones are between them.
+
+        Args:
+            number: The number of the newest message that a datagram tells of.
+            sign: The number that grows from one datagram to the next.
+        """
+        if self.due is None or number >= self.due - 1:
+            self.signs = 0
+        elif number < self.due // 2 and (self.signs == 0 or sign > self.last_sign):
+            self.signs, self.last_sign = self.signs + 1, sign
+        if self.signs < RESTART_SIGNS:
+            return False
+        self.due, self.signs = None, 0
+        self.pending.clear()
+        self.partial.clear()
+        return True
 
     def skip_to(self, number: int) -> None:
         """Give up the messages before a number."""
@@ -341,7 +370,8 @@ class Reader(OwnEndpoint[MatchedWriter]):
         if self._is_reliable(writer):
             takes_all = self.endpoint.is_latched and self._latched_depth is None
             writer.due = 1 if takes_all else None
-            self._request_heartbeat(writer)
+            writer.requests -= 1
+            self._request_heartbeat(writer, 1)
 
     def tick(self) -> None:
         """Send acknowledgements, and request the first heartbeats that have not arrived yet."""
@@ -349,7 +379,8 @@ class Reader(OwnEndpoint[MatchedWriter]):
             if writer.is_ack_due:
                 self._send_acknack(writer, writer.due or 1, [], is_final=True)
             if writer.requests and self._is_reliable(writer):
-                self._request_heartbeat(writer)
+                writer.requests -= 1
+                self._request_heartbeat(writer, writer.due or 1)
                 if writer.has_answered:
                     self.on_matched()
 
@@ -359,6 +390,8 @@ class Reader(OwnEndpoint[MatchedWriter]):
         if writer is None:
             return
         self.complete += 1
+        if not self._is_reliable(writer):
+            writer.has_restarted(sample.sequence, sample.sequence)
         due = writer.due or 0
         if sample.sequence < due or sample.sequence in writer.pending:
             return
@@ -380,7 +413,11 @@ class Reader(OwnEndpoint[MatchedWriter]):
     ) -> None:
         """Collect fragments of a message; `sample` describes it without its data."""
         writer, number = self.matched.get(sample.writer), sample.sequence
-        if writer is None or (writer.due is not None and number < writer.due) or number in writer.pending:
+        if writer is None or number in writer.pending:
+            return
+        if not self._is_reliable(writer):
+            writer.has_restarted(number, number)
+        if writer.due is not None and number < writer.due:
             return
         if not (fragment_size > 0 and 0 < size <= wire.MAX_MESSAGE and size // fragment_size < 2**16):
             raise ValueError("a fragmented message with an impossible size")
@@ -419,6 +456,10 @@ class Reader(OwnEndpoint[MatchedWriter]):
         if writer is None or not self._is_reliable(writer) or count == writer.last_heartbeat:
             return
         writer.last_heartbeat = count
+        if not writer.has_restarted(last, count) and writer.signs:
+            # A writer that has not restarted answers with the number of a newer message.
+            self._request_heartbeat(writer, 1)
+            return
         was_open, writer.requests = writer.requests > 0, 0
         if writer.due is None and self.endpoint.is_latched and self._latched_depth is not None:
             # As in Fast DDS, a late joiner keeps only the newest messages, even if the writer has
@@ -466,15 +507,14 @@ class Reader(OwnEndpoint[MatchedWriter]):
             due = writer.due = due + 1
         return due
 
-    def _request_heartbeat(self, writer: MatchedWriter) -> None:
-        """Request the first heartbeat of a writer.
+    def _request_heartbeat(self, writer: MatchedWriter, base: int) -> None:
+        """Request a heartbeat of a writer, which has all messages before `base` acknowledged.
 
         Fast DDS answers immediately only to base 0, otherwise after up to 3 s. Cyclone DDS rejects
         base 0.
         """
-        writer.requests -= 1
         is_fast_dds = writer.endpoint.guid[:2] == wire.FAST_DDS
-        self._send_acknack(writer, 0 if is_fast_dds else writer.due or 1, [], is_final=False)
+        self._send_acknack(writer, 0 if is_fast_dds else base, [], is_final=False)
 
     def _request_fragments(self, writer: MatchedWriter, number: int) -> None:
         missing = writer.partial[number].missing

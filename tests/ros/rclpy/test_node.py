@@ -76,7 +76,7 @@ def test_invalid_message_type_is_rejected_as_in_ros(node: Node) -> None:
     with pytest.raises(TypeError, match=r"^isinstance\(\) arg 2 must be a type"):
         publisher.publish(String())
     with pytest.raises(AttributeError, match="ROS 1 message type but it should be a ROS 2 message type"):
-        node.create_publisher(int, "x", 10)  # type: ignore[type-var]  # likewise
+        node.create_publisher(int, "x", 10)  # type: ignore[type-var]  # the mistake under test
     with pytest.raises(AttributeError, match="type object 'str' has no attribute '_TYPE_SUPPORT'"):
         node.create_subscription("std_msgs/String", "x", print, 10)  # type: ignore[arg-type]  # likewise
 
