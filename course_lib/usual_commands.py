@@ -7,6 +7,7 @@ imported twice.
 """
 
 import os
+import signal
 import sys
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -196,6 +197,8 @@ def fix_hash_seed(arguments: list[str]) -> None:
     environment = os.environ | {"PYTHONHASHSEED": HASH_SEED}
     if os.name == "posix":
         sys.stdout.flush()
+        # Python ends with a fatal error if it is interrupted while it starts. `main` unblocks it.
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         os.execve(sys.executable, command_line, environment)
     import subprocess
 

@@ -1,6 +1,7 @@
 """The restart of `course` with a fixed hash seed."""
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -38,6 +39,7 @@ def test_only_commands_that_run_programs_restart_the_interpreter(
     def execve(program: str, command: list[str], environment: dict[str, str]) -> None:
         assert environment["PYTHONHASHSEED"] == usual_commands.HASH_SEED
         started.append(command)
+        assert signal.SIGINT in signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         raise SystemExit
 
     monkeypatch.delenv("PYTHONHASHSEED", raising=False)
