@@ -309,7 +309,7 @@ class Viewer(KnownAttributes):
             seconds: The length [s] of robot time before now that the copy can play.
         """
         self.look()
-        return self._cell.at_rest(self.film, seconds)
+        return self._cell.resting_view(self.film, seconds)
 
     def replay(self, seconds: float = 5.0) -> "RestingView":
         """Return a recording for the last line of a cell. It plays in a loop while it is visible.
@@ -319,7 +319,7 @@ class Viewer(KnownAttributes):
         """
         self.look()
         self.session.show_all(self.film.scenes(seconds))
-        return self._cell.at_rest(self.film, seconds, plays=True)
+        return self._cell.resting_view(self.film, seconds, plays=True)
 
     def reset(self) -> None:
         """Discard all received messages and transforms, as RViz's button Reset does."""

@@ -50,7 +50,7 @@ def check_file(path: Path) -> bool:
     steps, files = plan_scenarios(tasks, catalog, hidden=False), working_files(path, notebook.cells)
     exercise_run = run_scenarios(Job(notebook.cells, student, steps, catalog.course.limits, files))
     judgement = judge(exercise_run, tasks, catalog)
-    causes = Causes(judgement.cell_errors, notebook.cells)
+    causes = RootCauses(judgement.cell_errors, notebook.cells)
     parts: list[object] = [*causes.lines()]
     parts += map(NOT_SUBMITTED.format, own_modules(path, notebook.cells))
     advice = Advice()
@@ -87,7 +87,7 @@ _PLACE = re.compile(r"\(cell In\[(\d+)\]")
 MANY = 3
 
 
-class Causes:
+class RootCauses:
     """The errors of a notebook's cells, without errors that only follow from an earlier one.
 
     Args:

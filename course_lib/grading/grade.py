@@ -274,7 +274,7 @@ def grade(
         CourseError: Nothing can be graded.
     """
     course = course or store.this_course()
-    course = replace(course, sandbox=need, handed_in=(submissions, out))
+    course = replace(course, sandbox=need, private_folders=(submissions, out))
     found_submissions = _find(submissions, course)
     line = plan_attempts(found_submissions, course, only)
     with store.lock_folder(out):
@@ -417,7 +417,7 @@ def _grade_all(work: Pending, jobs: int, dask: str | None) -> Iterator[Gradebook
                 raise
             except Exception as error:
                 # The judging process died, so the records are written here, with the reason.
-                faults = dict.fromkeys((s.key for s in one.submissions), Fault.of(error))
+                faults = dict.fromkeys((s.key for s in one.submissions), Fault.from_error(error))
                 yield judge_mark_report(one, faults, course, out)
 
 
@@ -440,7 +440,7 @@ def _await_evidence(
             raise
         except Exception as error:
             # An error of the kit in one submission must not stop the class.
-            faults[key] = Fault.of(error)
+            faults[key] = Fault.from_error(error)
         for one in waiting.pop(key):
             absent[id(one)] -= {key}
             if not absent[id(one)]:
@@ -518,7 +518,7 @@ def _judge_one(
         return judge(unpack(packed_evidence, plan_scenarios(tasks, catalog, hidden=True)), tasks, catalog)
     except Exception as error:
         # Checks do not raise here, so this is an error of the kit, not of the student.
-        return Fault.of(error)
+        return Fault.from_error(error)
 
 
 def _finish(
@@ -546,6 +546,6 @@ def _finish(
         say(f"Isolation of {number}: {isolation}.")
     for concern in review_reasons(marked_results, out):
         say(f"Please review: {concern.line(out)}")
-    for line in missing_file_lines(results, found_submissions, *work.course.handed_in):
+    for line in missing_file_lines(results, found_submissions, *work.course.private_folders):
         say(line)
     say(f"Wrote {out / 'gradebook.csv'} and {out / 'reports/index.html'}")

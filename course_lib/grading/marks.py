@@ -373,7 +373,7 @@ class MarkedResult:
             message = f"{submission.id_note}; {message}"
             # The grader who entered points for this file has seen the note.
             is_waiting |= not any(one.is_of(submission.sha256) for one in standing_marks(self.marks))
-        total = Mark.of(self.tasks, result.days_late, result.late)
+        total = Mark.compute(self.tasks, result.days_late, result.late)
         status: Status = "needs_marking" if is_waiting else row.status
         return replace(row, mark=total, status=status, reason=reason, message=message)
 

@@ -339,7 +339,7 @@ class Fault:
     text: str
 
     @classmethod
-    def of(cls, error: Exception) -> "Fault":
+    def from_error(cls, error: Exception) -> "Fault":
         """Return the fault for an exception."""
         return cls(type(error).__name__, str(error))
 
@@ -372,7 +372,7 @@ class Mark:
     final: float
 
     @classmethod
-    def of(cls, tasks: Sequence[TaskResult], days_late: int, late: LatePolicy) -> "Mark":
+    def compute(cls, tasks: Sequence[TaskResult], days_late: int, late: LatePolicy) -> "Mark":
         """Add up the points of tasks, bonus on top, and deduct the late penalty."""
         score = round(sum(task.score for task in tasks), 2)
         max_score = sum(task.points for task in tasks if not task.bonus)
@@ -417,7 +417,7 @@ class Result:
     @property
     def mark(self) -> Mark | None:
         """The mark without graders' points; None if there is no judgement."""
-        return Mark.of(self.judgement.tasks, self.days_late, self.late) if self.judgement else None
+        return Mark.compute(self.judgement.tasks, self.days_late, self.late) if self.judgement else None
 
     @property
     def tasks(self) -> tuple[TaskResult, ...]:

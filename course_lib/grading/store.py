@@ -32,13 +32,13 @@ class Course:
         exercises: Folder of course.toml, with the public check files in `checks`.
         solutions: Folder of the solutions, with the hidden check files in `checks`.
         sandbox: The weakest isolation that is accepted for running a submission.
-        handed_in: The folders of submissions and results, which no submission may read.
+        private_folders: The folders of submissions and results, which no submission may read.
     """
 
     exercises: Path
     solutions: Path
     sandbox: Need = "partial"
-    handed_in: tuple[Path, ...] = ()
+    private_folders: tuple[Path, ...] = ()
 
     @property
     def lessons(self) -> Path:
@@ -48,7 +48,7 @@ class Course:
     @property
     def refused(self) -> tuple[str, ...]:
         """Paths that submissions must not be able to read."""
-        return tuple(str(path.resolve()) for path in (self.exercises, self.solutions, *self.handed_in))
+        return tuple(str(path.resolve()) for path in (self.exercises, self.solutions, *self.private_folders))
 
 
 def this_course() -> Course:

@@ -150,7 +150,7 @@ def _check_points(message: JointTrajectory) -> Iterator[str]:
 
 
 @dataclass(frozen=True)
-class End:
+class GoalEnd:
     """The end of a goal: its code, the text for the client, and the text for the log."""
 
     code: int
@@ -158,9 +158,9 @@ class End:
     log_text: str = ""
 
 
-REACHED = End(Result.SUCCESSFUL, "Goal successfully reached!", "Goal reached, success!")
-PREEMPTED = End(Result.INVALID_GOAL, "Current goal preempted by new incoming action.")
-LEFT_PATH = End(
+REACHED = GoalEnd(Result.SUCCESSFUL, "Goal successfully reached!", "Goal reached, success!")
+PREEMPTED = GoalEnd(Result.INVALID_GOAL, "Current goal preempted by new incoming action.")
+LEFT_PATH = GoalEnd(
     Result.PATH_TOLERANCE_VIOLATED,
     "Aborted due to path tolerance violation",
     "Aborted due to state tolerance violation",
@@ -194,7 +194,7 @@ class TrajectoryGoal:
         # In seconds.
         self._most_late = Duration.from_msg(request.goal_time_tolerance).nanoseconds / 1e9
 
-    def check_tolerances(self, error: Floats, late: float) -> End | None:
+    def check_tolerances(self, error: Floats, late: float) -> GoalEnd | None:
         """Return the end of the goal if it has been reached or violated.
 
         Args:
@@ -211,9 +211,9 @@ class TrajectoryGoal:
             self._logger.error(f"State tolerances failed for joint {joint}:")
             self._logger.error(f"Position Error: {error[joint]:f}, Position Tolerance: {tolerances[joint]:f}")
         text = f"Aborted due to goal_time_tolerance exceeding by {late:f} seconds"
-        return LEFT_PATH if late < 0 else End(Result.GOAL_TOLERANCE_VIOLATED, text, text)
+        return LEFT_PATH if late < 0 else GoalEnd(Result.GOAL_TOLERANCE_VIOLATED, text, text)
 
-    def end(self, end: End) -> None:
+    def end(self, end: GoalEnd) -> None:
         """End the goal with a result."""
         (self.handle.succeed if end is REACHED else self.handle.abort)()
         self.result.set_result(Result(error_code=end.code, error_string=end.text))

@@ -164,7 +164,7 @@ class StaticCache:
     def __init__(self, transform: Transform) -> None:
         self._transform = replace(transform, stamp_ns=0)
 
-    def at(self, time_ns: int) -> Transform:
+    def transform_at(self, time_ns: int) -> Transform:
         """Return the transform, which is valid at any time."""
         del time_ns
         return self._transform
@@ -205,7 +205,7 @@ class TimeCache:
             transforms.insert(end, transform)
         return True
 
-    def at(self, time_ns: int) -> Transform:
+    def transform_at(self, time_ns: int) -> Transform:
         """Return the transform at a time, interpolated. The time 0 means the latest transform.
 
         Raises:
@@ -482,7 +482,7 @@ class BufferCore:
             if frame in ends or cache is None:
                 return pose, frame, None
             try:
-                step = cache.at(time_ns)
+                step = cache.transform_at(time_ns)
             except NoDataError as error:
                 return pose, frame, str(error)
             pose = compose((step.translation, step.rotation), pose)

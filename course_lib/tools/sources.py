@@ -42,7 +42,7 @@ TimedSample = tuple[int, Sample | None]
 
 
 @dataclass(frozen=True, slots=True)
-class Listening:
+class StreamLimits:
     """Limits of a stream: total time, time without a message, and the period of its ticks, [s]."""
 
     seconds: float | None = None
@@ -99,7 +99,7 @@ class Source(ABC):
         """
 
     @abstractmethod
-    def stream(self, topics: Topics, limits: Listening) -> Iterator[TimedSample]:
+    def stream(self, topics: Topics, limits: StreamLimits) -> Iterator[TimedSample]:
         """Yield the messages of topics, and ticks."""
 
     @abstractmethod
@@ -131,7 +131,7 @@ class GraphSource(Source):
             )
         return wait_for(ready, seconds=seconds)
 
-    def stream(self, topics: Topics, limits: Listening) -> Iterator[TimedSample]:
+    def stream(self, topics: Topics, limits: StreamLimits) -> Iterator[TimedSample]:
         """Yield the messages received by the subscriptions of a separate node, and ticks."""
         graph, every = self.graph, limits.every
         start_ns = last_received_ns = tick_ns = graph.now_ns
@@ -202,7 +202,7 @@ class RecordingSource(Source):
         """Return `ready()`, because nothing changes in a recording."""
         return ready()
 
-    def stream(self, topics: Topics, limits: Listening) -> Iterator[TimedSample]:
+    def stream(self, topics: Topics, limits: StreamLimits) -> Iterator[TimedSample]:
         """Yield the recorded messages, and ticks."""
         tick_ns, end_ns = self.recording.start_ns, self.recording.end_ns
         step_ns = round((limits.every or 0.0) * 1e9)

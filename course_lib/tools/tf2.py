@@ -22,7 +22,7 @@ from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.tf2 import BufferCore, Transform, TransformException
 from course_lib.ros.time.interrupts import until_interrupted
-from course_lib.tools.sources import Listening, Source
+from course_lib.tools.sources import Source, StreamLimits
 from course_lib.tools.verb import Verb, Write, positive, seconds, value
 
 TF = "tf2_msgs/msg/TFMessage"
@@ -51,8 +51,8 @@ class TransformStream:
 
         The buffer contains the transforms up to the yielded time.
         """
-        listening = Listening(every=every, seconds=seconds)
-        for now_ns, arrival in self._source.stream(TOPICS, listening):
+        limits = StreamLimits(every=every, seconds=seconds)
+        for now_ns, arrival in self._source.stream(TOPICS, limits):
             if arrival is None:
                 yield now_ns
                 continue

@@ -15,7 +15,7 @@ from course_lib.ros.graph.topics import CLOCK, Qos, read_tick
 from course_lib.ros.messages import RosMessage, message_class, type_name
 from course_lib.ros.messages.conversions import PrintOptions, to_csv, to_yaml
 from course_lib.ros.time.interrupts import until_interrupted
-from course_lib.tools.sources import NODE_NAME, Listening, Source, TimedSample, own_node
+from course_lib.tools.sources import NODE_NAME, Source, StreamLimits, TimedSample, own_node
 from course_lib.tools.verb import (
     NODE_OPTIONS,
     Option,
@@ -162,7 +162,7 @@ def listen(
     with until_interrupted():
         kind = type_of(source, topic, write, blocking=True)
         topics = {(topic, kind): SENSOR_DATA, **({CLOCK: SENSOR_DATA} if sim else {})}
-        arrivals = source.stream(topics, Listening(limit, every=None if sim else every))
+        arrivals = source.stream(topics, StreamLimits(limit, every=None if sim else every))
         for now_ns, arrival in _with_sim_time(arrivals, topic, every) if sim else arrivals:
             has_received = has_received or arrival is not None
             yield now_ns, arrival
@@ -310,11 +310,11 @@ def _echo(source: Source, arguments: Namespace, write: Write) -> None:
         source.offered_qos(topic), PRESETS[arguments.qos_profile], write
     )
     start_ns, has_received, limit = source.graph.now_ns, False, None if arguments.once else source.limit()
-    listening = Listening(patience=SILENCE_LIMIT, seconds=arguments.timeout or limit)
+    limits = StreamLimits(patience=SILENCE_LIMIT, seconds=arguments.timeout or limit)
     with until_interrupted():
-        for heard_ns, arrival in source.stream({(topic, kind): qos}, listening):
+        for heard_ns, arrival in source.stream({(topic, kind): qos}, limits):
             has_received = True
-            # The limits above have no ticks, and only ticks are None.
+            # These limits have no ticks, and only ticks are None.
             assert arrival is not None
             selected = arrival.cdr if arguments.raw else _field(arrival.message(), arguments.field)
             if not matches(selected):

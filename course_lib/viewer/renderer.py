@@ -323,7 +323,7 @@ def placed_insets(scene: Scene, size: tuple[int, int]) -> Iterator[tuple[drawabl
 _AT_ONCE = 500_000
 
 
-class Covered(NamedTuple):
+class CoveredSamples(NamedTuple):
     """Samples inside triangles."""
 
     # Indices of samples in the image, row by row, shape (N,).
@@ -334,7 +334,7 @@ class Covered(NamedTuple):
     share: Floats
 
 
-def covered_samples(xy: Floats, size: tuple[int, int]) -> Iterator[Covered]:
+def covered_samples(xy: Floats, size: tuple[int, int]) -> Iterator[CoveredSamples]:
     """Iterate over the samples whose centers are inside triangles.
 
     Args:
@@ -361,7 +361,7 @@ def covered_samples(xy: Floats, size: tuple[int, int]) -> Iterator[Covered]:
         row, x = _expand_ranges(left[chunk].astype(int), right[chunk].astype(int))
         row = chunk[row]
         share = slope[row] * (x[:, None] + 0.5) + offset[row]
-        yield Covered(y[row] * width + x, triangle[row], share)
+        yield CoveredSamples(y[row] * width + x, triangle[row], share)
 
 
 def clip_triangles(corners: Float32s, near: float) -> Float32s:

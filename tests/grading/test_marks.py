@@ -54,14 +54,14 @@ def test_submission_without_a_deadline_is_never_late() -> None:
 
 def test_bonus_is_added_and_penalty_is_a_fraction_of_the_score() -> None:
     tasks = [task(60, 1.0), task(40, 0.5), task(10, 1.0, bonus=True)]
-    assert Mark.of(tasks, 0, LatePolicy()) == Mark(90, 100, 0, 0, 90)
-    assert Mark.of(tasks, 2, LatePolicy()) == Mark(90, 100, 2, 18, 72)
-    assert Mark.of(tasks, 11, LatePolicy()) == Mark(90, 100, 11, 90, 0)
+    assert Mark.compute(tasks, 0, LatePolicy()) == Mark(90, 100, 0, 0, 90)
+    assert Mark.compute(tasks, 2, LatePolicy()) == Mark(90, 100, 2, 18, 72)
+    assert Mark.compute(tasks, 11, LatePolicy()) == Mark(90, 100, 11, 90, 0)
 
 
 def test_penalty_has_a_maximum_and_ends_with_the_last_accepted_day() -> None:
     late, tasks = LatePolicy(max_percent=30, accepted_days=7), [task(100, 0.8)]
-    assert [Mark.of(tasks, days, late).final for days in (0, 2, 3, 7, 8)] == [80, 64, 56, 56, 0]
+    assert [Mark.compute(tasks, days, late).final for days in (0, 2, 3, 7, 8)] == [80, 64, 56, 56, 0]
 
 
 def judge_checks(*checks: Check) -> TaskResult:

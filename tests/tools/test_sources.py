@@ -10,7 +10,7 @@ from course_lib.recording import Recording, record
 from course_lib.ros.graph.graph import DELAY_NS, Graph, Sample
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize
-from course_lib.tools.sources import GraphSource, Listening, RecordingSource, TimedSample, is_hidden
+from course_lib.tools.sources import GraphSource, RecordingSource, StreamLimits, TimedSample, is_hidden
 
 STRING = "std_msgs/msg/String"
 TOPICS = {("/chatter", STRING): Qos(), ("/other", STRING): Qos()}
@@ -23,7 +23,7 @@ def test_messages_and_ticks_of_a_recording_are_in_order(
     cdr = serialize(String())
     samples = tuple(Sample(stamp, *topic, cdr, Qos(), 1) for stamp, topic in sorted(sent))
     source = RecordingSource(Recording(samples))
-    heard: list[TimedSample] = list(source.stream(TOPICS, Listening(every=tenths / 10)))
+    heard: list[TimedSample] = list(source.stream(TOPICS, StreamLimits(every=tenths / 10)))
     times = [now_ns for now_ns, _ in heard]
     assert times == sorted(times)
     assert [(now_ns, (one.topic, one.type_name)) for now_ns, one in heard if one] == sorted(sent)
@@ -34,8 +34,8 @@ def test_messages_and_ticks_of_a_recording_are_in_order(
 
 def test_live_and_recorded_streams_differ_only_by_the_transport_delay(talker: Node, graph: Graph) -> None:
     with record(graph) as recorder:
-        live = list(GraphSource(graph).stream(TOPICS, Listening(seconds=1.0)))
-    recorded = list(RecordingSource(recorder.recording()).stream(TOPICS, Listening()))
+        live = list(GraphSource(graph).stream(TOPICS, StreamLimits(seconds=1.0)))
+    recorded = list(RecordingSource(recorder.recording()).stream(TOPICS, StreamLimits()))
     assert len(live) == 9  # the tenth message is on its way
     assert [one.cdr for _, one in live if one] == [one.cdr for _, one in recorded if one][:9]
     assert {now_ns - one.stamp_ns for now_ns, one in live if one} == {DELAY_NS}
@@ -43,7 +43,7 @@ def test_live_and_recorded_streams_differ_only_by_the_transport_delay(talker: No
 
 def test_timeout_ends_a_silent_stream(talker: Node, graph: Graph) -> None:
     start_ns = graph.now_ns
-    stream = GraphSource(graph).stream(TOPICS, Listening(patience=0.5))
+    stream = GraphSource(graph).stream(TOPICS, StreamLimits(patience=0.5))
     for number, _ in enumerate(stream):
         if number == 2:
             talker.destroy_node()
@@ -53,7 +53,7 @@ def test_timeout_ends_a_silent_stream(talker: Node, graph: Graph) -> None:
 
 def test_ticks_contain_their_time(talker: Node, graph: Graph) -> None:
     start_ns = graph.now_ns
-    heard = GraphSource(graph).stream({("/chatter", STRING): Qos()}, Listening(seconds=2.0, every=0.5))
+    heard = GraphSource(graph).stream({("/chatter", STRING): Qos()}, StreamLimits(seconds=2.0, every=0.5))
     ticks = [(now_ns - start_ns) / 1e9 for now_ns, one in heard if one is None]
     assert ticks == [0.0, 0.5, 1.0, 1.5, 2.0]
 

@@ -79,7 +79,7 @@ class ViewerCell:
         side_panel.take(self._widget(viewer))
         display(viewer)  # type: ignore[no-untyped-call]
 
-    def at_rest(
+    def resting_view(
         self,
         recording: SceneRecording,
         seconds: float,

@@ -130,7 +130,9 @@ class Exports:
     def time(self, download_name: readers.DownloadName) -> tuple[datetime | None, str]:
         """Return the time of submission and its source: the export or platform."""
         keys = (download_name.key, *download_name.keys)
-        known_times = ((t.of(key, download_name.attachment), t.source) for t in self.times for key in keys)
+        known_times = (
+            (one.find_time(key, download_name.attachment), one.source) for one in self.times for key in keys
+        )
         return next(
             (pair for pair in known_times if pair[0]),
             (download_name.time, download_name.layout if download_name.time else ""),

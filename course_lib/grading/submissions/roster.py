@@ -421,7 +421,7 @@ class Times:
     users: Mapping[str, str] = field(default_factory=dict)
     unread: str = ""
 
-    def of(self, number: str, attachment: str) -> datetime | None:
+    def find_time(self, number: str, attachment: str) -> datetime | None:
         """Return the time of submission of a file, or None if the export lacks it."""
         return self.by_attachment.get(attachment) or self.by_number.get(number)
 
