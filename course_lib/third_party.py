@@ -39,7 +39,7 @@ _SPECIAL_FILES = {
 
 
 def read_text(path: Path, errors: str = "strict") -> str:
-    """Return the content of a text file in UTF-8.
+    """Return the content of a text file in UTF-8, without the byte order mark of Windows programs.
 
     Args:
         path: The file.
@@ -51,7 +51,7 @@ def read_text(path: Path, errors: str = "strict") -> str:
         UnicodeDecodeError: The file is not UTF-8.
     """
     check_size(path, MOST_TEXT)
-    text = path.read_text(encoding="utf-8", errors=errors)
+    text = path.read_text(encoding="utf-8-sig", errors=errors)
     if text.startswith(LFS_POINTER.decode()):
         raise OSError(errno.EINVAL, NOT_FETCHED, str(path))
     return text

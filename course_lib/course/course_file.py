@@ -13,7 +13,7 @@ from zoneinfo import ZoneInfo, available_timezones
 from course_lib.course.exercise import normalise
 from course_lib.course.state import exercises_dir
 from course_lib.errors import CourseError, did_you_mean
-from course_lib.third_party import read_text
+from course_lib.third_party import NOT_UTF8, read_text
 
 POINTS_PER_WEEK = 100
 Counts = Literal["last", "best"]
@@ -117,6 +117,13 @@ class WeekSettings:
             raise CourseError(f"points: they sum to {total:g}, expected {POINTS_PER_WEEK}")
         if twice := sorted(self.points.keys() & self.bonus.keys()):
             raise CourseError(f"bonus: {', '.join(twice)} is in points and in bonus")
+        for student, when in self.extensions.items():
+            # Often a wrong year or month, which would make everything of this student late.
+            if self.deadline is not None and when < self.deadline:
+                raise CourseError(
+                    f"extensions: {student}: {when.isoformat()} is before the week's deadline, "
+                    f"expected a later time than {self.deadline.isoformat()}"
+                )
         object.__setattr__(self, "extensions", {normalise(s): when for s, when in self.extensions.items()})
 
 
@@ -259,6 +266,8 @@ def read_course_file(path: Path) -> CourseFile:
         errors = _faulty_weeks(content)
         faults = {week: _locate(path, text, error) for week, error in errors.items()}
         course: CourseFile = _read(CourseFile, content, faults=faults)
+    except UnicodeDecodeError as error:
+        raise CourseError(f"{path} can't be read: {NOT_UTF8}") from error
     except (OSError, ValueError, RecursionError) as error:
         raise CourseError(f"{path} can't be read: {error}") from error
     except _MisfitError as error:

@@ -119,6 +119,16 @@ def test_malformed_course_file_is_reported_with_its_path(
     assert path.name in str(refusal.value)
 
 
+def test_encoding_of_the_course_file_is_utf8_with_or_without_a_byte_order_mark(course: Course) -> None:
+    path = course.exercises / "course.toml"
+    text = path.read_text()
+    path.write_text(text, encoding="utf-8-sig")
+    assert read_course_file(path).weeks
+    path.write_text(text, encoding="utf-16")
+    with pytest.raises(CourseError, match=r"course\.toml can't be read: it is not text in UTF-8: save it"):
+        read_course_file(path)
+
+
 def test_faulty_week_does_not_affect_other_weeks(course: Course) -> None:
     path = course.exercises / "course.toml"
     path.write_text(path.read_text() + '[weeks.week02]\ntitle = "Two"\n[weeks.week02.points]\nx = 100\n')
