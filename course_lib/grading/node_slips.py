@@ -6,7 +6,15 @@ from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 from functools import cache
 
-from course_lib.grading.slips import Function, created_object, function_slips, parse, quote, root_of
+from course_lib.grading.slips import (
+    Function,
+    created_object,
+    emptied_names,
+    function_slips,
+    parse,
+    quote,
+    root_of,
+)
 from course_lib.ros.messages.definitions import definition, type_names
 
 # Objects that receive messages only after they are created. A publisher that is created in a
@@ -270,7 +278,10 @@ def find_growing_list(source: str) -> str:
     for cls in ast.walk(parse(source)):
         if not isinstance(cls, ast.ClassDef):
             continue
-        created = set[str]()
+        # A list in the body of the class is a single one for all its objects.
+        created = {
+            f"self.{name}" for one in cls.body if isinstance(one, ast.Assign) for name in emptied_names(one)
+        }
         for node in ast.walk(cls):
             match node:
                 case ast.Assign(
@@ -283,7 +294,9 @@ def find_growing_list(source: str) -> str:
                 match node:
                     case ast.Call(func=ast.Attribute(value=grown, attr="append" | "extend")):
                         pass
-                    case ast.AugAssign(target=ast.Attribute() as grown, op=ast.Add(), value=ast.List()):
+                    case ast.AugAssign(
+                        target=ast.Attribute() as grown, op=ast.Add(), value=ast.List() | ast.ListComp()
+                    ):
                         pass
                     case _:
                         continue

@@ -208,12 +208,12 @@ def _loops(block: Sequence[ast.stmt], function: str) -> Iterator[str]:
                         f"{quote(later)} is after the loop and gets only the last {name}: move it "
                         "into the loop."
                     )
-        for name in [name for one in loop.body for name in _emptied_names(one)]:
+        for name in [name for one in loop.body for name in emptied_names(one)]:
             if any(_uses(one, name) for one in block[index + 1 :]):
                 yield f'"{name} = []" in the loop empties the list for each item: move it before the loop.'
 
 
-def _emptied_names(statement: ast.stmt) -> list[str]:
+def emptied_names(statement: ast.stmt) -> list[str]:
     """Return the variables that a statement sets to an empty list, as in `columns, rows = [], []`."""
     match statement:
         case ast.Assign(targets=[ast.Tuple(elts=targets)], value=ast.Tuple(elts=values)) if len(
@@ -236,7 +236,7 @@ def _shared_lists(block: Sequence[ast.stmt], function: Function) -> Iterator[str
     for statement in block:
         if not isinstance(statement, ast.Assign) or len(statement.targets) < 2:
             continue
-        names = [name for name in _emptied_names(statement) if _changes(function, name)]
+        names = [name for name in emptied_names(statement) if _changes(function, name)]
         if len(names) > 1:
             lists = ", ".join("[]" for _ in names)
             yield (
@@ -656,11 +656,13 @@ def _replaced_parameters(function: Function) -> Iterator[str]:
     parameters = {one.arg for one in function.args.args}
     for index, statement in enumerate(function.body):
         match statement:
-            case ast.Assign(targets=[ast.Name(id=name)], value=value) if (
-                name in parameters
-                and not any(_uses(one, name) for one in function.body[:index])
-                and _is_literal(value)
-            ):
+            case ast.Assign(targets=[ast.Name() | ast.Tuple() as target], value=value) if _is_literal(value):
+                parts = target.elts if isinstance(target, ast.Tuple) else [target]
+                names = [part.id for part in parts if isinstance(part, ast.Name)]
+            case _:
+                continue
+        for name in names:
+            if name in parameters and not any(_uses(one, name) for one in function.body[:index]):
                 yield (
                     f"{quote(statement)} replaces the {name} that {function.name} gets with each "
                     "call: leave it out."

@@ -3,12 +3,10 @@
 A hint is found by the type of the exception, by a pattern of its text and, where the text is
 ambiguous, by the mistake with which the raising code has marked the exception.
 
-The hint for a syntax error names the cause that Python's own message does not explain to a
-beginner. It is found by the parser's message and the line at which the parser stops. Typical causes
-are text from web pages, chats and C++, decimal commas, and commands of a terminal.
+The hint for a syntax error is found by the parser's message and the line at which the parser stops.
+Typical causes are text from web pages, chats and C++, decimal commas, and commands of a terminal.
 """
 
-import builtins
 import dis
 import linecache
 import re
@@ -25,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from course_lib.errors import join_words
-from course_lib.ros import import_hints, near_names
+from course_lib.ros import hidden_names, import_hints, near_names
 from course_lib.ros.messages.definitions import definition, type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
 from course_lib.ros.programs.packages import unavailable_reason
@@ -145,12 +143,9 @@ _NONE_VALUE = (
     "this is None: is it a parameter without a value, or a function that returns nothing?",
     "this is None: does the function that created it return something?",
 )
-# The fields of messages that consist of a few numbers.
+# Messages of a few numbers.
 _NUMBERS_OF = {"Point": "xyz", "Vector3": "xyz", "Quaternion": "xyzw", "ColorRGBA": "rgba"}
-# Methods of a Buffer of tf2.
-_OF_BUFFER = ("can_transform", "lookup_transform", "lookup_transform_async", "transform", "set_transform")
-# The table of attributes that rclpy lacks: its patterns match
-# "rclpy.time.Time.now", not an exception's text.
+# The table of attributes that rclpy lacks, whose patterns match "rclpy.time.Time.now".
 _OF_RCLPY = "OfRclpy"
 
 
@@ -175,7 +170,9 @@ def hint(error: BaseException) -> str:
         if found:
             return found
     if (
-        found := near_names.key_hint(error)
+        found := hidden_names.hidden_property_hint(error)
+        or hidden_names.hidden_module_hint(error)
+        or near_names.key_hint(error)
         or _decimal_comma_hint(error, text)
         or _rclpy_attribute_hint(error)
         or near_names.parameter_hint(error)
@@ -191,7 +188,7 @@ def hint(error: BaseException) -> str:
         or _tf_hint(error, text)
         or _callback_hint(error)
         or _parameter_callback_hint(error, text)
-        or _shadowed_hint(error, text)
+        or hidden_names.shadowed_hint(error, text)
         or _recursion_hint(error)
         or _loop_hint(error, text)
         or _order_hint(error, text)
@@ -249,7 +246,7 @@ def _field_hint(types: Sequence[str], attribute: str, line: str) -> str:
     if attribute == "publish":
         return "this is a message: a publisher sends it, `self.publisher.publish(message)`."
     called = re.search(rf"\b(self\.\w+)\.{attribute}\(", line)
-    if called and attribute in _OF_BUFFER:
+    if called and attribute in near_names.OF_BUFFER:
         return f"{called[1]} is a message here and not a Buffer: look where it is set a second time."
     if attribute == "to_msg":
         return f"this is a message already: leave out .to_msg(). {show}"
@@ -543,6 +540,8 @@ def _missing_value_hint(error: BaseException, text: str) -> str:
         )
     if is_argument:
         return f"{start}: put it in ( ). To pass the function itself, write {name} without ()."
+    if near_names.is_of_library(error, name):
+        return f"{start}: put it in ( )."
     return f"{start}. If check(…) makes the call, the function needs the names of the task."
 
 
@@ -574,34 +573,6 @@ def _parameter_callback_hint(error: BaseException, text: str) -> str:
         return ""
     if frame.f_code.co_filename.endswith("parameter_store.py"):
         return f"the callback gets a list of parameters: write `def {match[1]}(self, parameters)`."
-    return ""
-
-
-def _shadowed_hint(error: BaseException, text: str) -> str:
-    """Return the hint for a function, method or class that a student's variable hides, or ""."""
-    frame, match = near_names.frame_of(error), re.match(r"'(\w+)' object is not callable", text)
-    if frame is None or match is None or not isinstance(error, TypeError):
-        return ""
-    variables = {**frame.f_globals, **frame.f_locals}
-    # A comprehension reads the variables of its function as free variables.
-    code = frame.f_code
-    for name in (*code.co_varnames, *code.co_freevars, *code.co_names):
-        is_hidden = hasattr(builtins, name) and name in variables
-        if is_hidden and type(variables[name]).__name__ == match[1]:
-            return (
-                f"{name} is a variable here, {name} = …, and hides Python's {name}(): choose "
-                f"another name for it. In a notebook, del {name} gives back Python's own."
-            )
-        if name == match[1] and type(variables.get(name)).__name__ == name:
-            return (
-                f"{name} is an object here, {name} = …, and hides the class {name}: choose another "
-                "name for the object, and import the class again."
-            )
-    owner = frame.f_locals.get("self")
-    for name in re.findall(r"\bself\.(\w+)\(", near_names.line_of_student(error)):
-        value = getattr(owner, "__dict__", {}).get(name)
-        if type(value).__name__ == match[1] and callable(getattr(type(owner), name, None)):
-            return f"self.{name} = … hides the method {name}: choose another name for the attribute."
     return ""
 
 
@@ -830,9 +801,11 @@ def _pair_hint(error: BaseException, text: str) -> str:
                 return "enumerate gives pairs: `for index, item in enumerate(items)`."
             if any(re.search(rf"\bfor {name} in [\w.]+\.items\(", lines) for name in names):
                 return "items() gives pairs, a key and a value: write two names between for and in."
+    line = near_names.line_of_student(error)
+    if text.startswith("cannot unpack non-iterable int") and " in enumerate(" in line:
+        return "enumerate gives pairs, an index and then an item: `for index, item in enumerate(items)`."
     if not isinstance(error, ValueError) or "values to unpack" not in text:
         return ""
-    line = near_names.line_of_student(error)
     if re.search(r"\bfor \w+(, \w+)+ in enumerate\(", line):
         return (
             "enumerate gives pairs, an index and an item. The names for the item's parts are in "

@@ -105,6 +105,8 @@ IN_LAUNCH_FILES = LAUNCH_IMPORTS | {
 _KIT = ("course_lib", "course_lib.robots", "course_lib.displays", "course_lib.sensors")
 # Modules that students use without having imported them. Other names, like `time`, also occur in
 # rclpy.
+# Methods of a Buffer of tf2.
+OF_BUFFER = ("can_transform", "lookup_transform", "lookup_transform_async", "transform", "set_transform")
 _STDLIB = ("time", "os", "sys", "random", "json", "copy", "re", "datetime", "threading", "itertools")
 # The field that is meant by a word of everyday speech, or of another library.
 _SYNONYMS = {
@@ -629,11 +631,19 @@ def by_name_hint(error: BaseException) -> str:
         return ""
     named = [one.name for one in parameters if one.kind == inspect.Parameter.KEYWORD_ONLY]
     missing = int(match[3]) - int(match[2])
+    if not named and isinstance(function, FunctionType) and match[2] == "0":
+        return f"{match[1]} takes no values: write {match[1]}()."
     if len(named) < missing:
         return ""
     names = named[:3]
     more = "" if len(names) == len(named) else ", …"
     return f"{match[1]} takes the last values by name: {', '.join(f'{name}=…' for name in names)}{more}."
+
+
+def is_of_library(error: BaseException, name: str) -> bool:
+    """Return whether a function that a call of the student names is not the student's own."""
+    frame = frame_of(error)
+    return frame is not None and _is_of_library(_reachable_object(frame, name))
 
 
 def _is_of_library(function: object) -> bool:
@@ -685,8 +695,10 @@ def unnamed_field_hint(error: BaseException) -> str:
     names: list[str] = []
     for value in frame.f_locals["positional"]:
         free = [field.name for field in fields if field.name not in names and _fits(value, field)]
-        if not free:
+        if not free and isinstance(value, str):
             return ""
+        if not free:
+            return f"{kind.__name__} takes its fields by name: {join_words([one.name for one in fields])}."
         names.append(free[0])
     return (
         f"pass each value with the name of its field: "

@@ -239,6 +239,8 @@ def test_comparison_with_an_undeclared_parameter_is_reported() -> None:
 def test_parameter_replaced_by_a_fixed_value_is_reported() -> None:
     source = "def box(k, corners):\n    k = [277.0, 0.0]\n    return k[0] * corners\n"
     assert find_slip(source).startswith('"k = [277.0, 0.0]" replaces the k that box gets with each call')
+    pair = source.replace("k = [277.0, 0.0]", "near, k = 0.1, [277.0]")
+    assert find_slip(pair).startswith('"near, k = (0.1, [277.0])" replaces the k that box gets')
     assert find_slip(source.replace("[277.0, 0.0]", "k[:2]")) == ""
     assert find_slip(source.replace("    k =", "    if not k:\n        k =")) == ""
 

@@ -15,11 +15,11 @@ from course_lib.displays.session import RvizSession
 from course_lib.errors import CourseError, join_words
 from course_lib.grading.evidence import Evidence, LaunchRecord, StartedNode
 from course_lib.grading.inputs import build
-from course_lib.grading.run.outcome import RAISED, plain
+from course_lib.grading.run.outcome import plain
 from course_lib.grading.task import Message
 from course_lib.grading.vocabulary.check_function import Problem, check_function, is_close
 from course_lib.grading.vocabulary.markers import ResolvedCheck, resolve_check
-from course_lib.grading.vocabulary.values import compare
+from course_lib.grading.vocabulary.values import compare, describe_missing_text
 from course_lib.ros.graph.graph import START_NS, Sample
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize
@@ -102,17 +102,8 @@ def _launch_record(evidence: Evidence, call: int) -> LaunchRecord:
     value = evidence.returns[call] if call < len(evidence.returns) else None
     record = LaunchRecord.from_plain(value)
     if record is None:
-        raise Problem(_describe_missing_text(value, "launch file"), "there is no launch file")
+        raise Problem(describe_missing_text(value, "launch file"), "there is no launch file")
     return record
-
-
-def _describe_missing_text(value: Any, kind: str) -> str:
-    """Return a sentence about a value that was returned instead of a file's text."""
-    if value is None or value == RAISED or (isinstance(value, str) and not value.strip()):
-        return f"no {kind} was returned"
-    is_object = isinstance(value, dict) and list(value) == ["object"]
-    name = value["object"] if is_object else f"a {type(value).__name__}"
-    return f"{name} was returned, expected the text of the {kind}, a string"
 
 
 def _require_success(record: LaunchRecord) -> None:
@@ -388,7 +379,7 @@ def _read_layout(evidence: Evidence, call: int) -> Layout:
     """Return the submitted layout, or raise a Problem if it is not a layout."""
     text = evidence.returns[call] if call < len(evidence.returns) else None
     if not isinstance(text, str) or not text.strip():
-        message = _describe_missing_text(text, ".rviz file")
+        message = describe_missing_text(text, ".rviz file")
         if not message.startswith("no "):
             message = f"{message}: read it with Path(...).read_text()"
             raise Problem(message, "no text of a file was returned")

@@ -5,7 +5,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from course_lib.errors import format_count
+from course_lib.errors import format_count, join_words
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.run.outcome import RAISED, plain
 from course_lib.grading.vocabulary.check_function import (
@@ -282,6 +282,15 @@ def _shorten(value: Any) -> str:
     return text if len(text) <= 80 else f"{text[:77]}..."
 
 
+def describe_missing_text(value: Any, kind: str) -> str:
+    """Return a sentence about a value that was returned instead of a file's text."""
+    if value is None or value == RAISED or (isinstance(value, str) and not value.strip()):
+        return f"no {kind} was returned"
+    is_object = isinstance(value, dict) and list(value) == ["object"]
+    name = value["object"] if is_object else f"a {type(value).__name__}"
+    return f"{name} was returned, expected the text of the {kind}, a string"
+
+
 @check_function("the parameters of {node}")
 def expect_parameters(
     evidence: Evidence, node: str, values: Mapping[str, Any], *, call: int = 0
@@ -289,7 +298,11 @@ def expect_parameters(
     """Expect a parameters file that sets these values, with these types, for a node."""
     text = evidence.returns[call] if call < len(evidence.returns) else None
     if not isinstance(text, str) or not text.strip() or len(text) > LONGEST:
-        return [Problem("no parameters file was returned", "there is no parameters file")]
+        message = describe_missing_text(text, "parameters file")
+        return [Problem(message, "there is no parameters file")]
+    if "\n" not in text and text.strip().endswith((".yaml", ".yml")):
+        message = f"{text.strip()!r} is the name of a file, expected its text"
+        return [Problem(message, "there is no parameters file")]
     try:
         sections = read_text(text)
     except ValueError as error:
@@ -301,7 +314,7 @@ def expect_parameters(
     return [
         problem
         for key, expected in values.items()
-        for problem in _check_parameter(node, key, parameters, expected)
+        for problem in _check_parameter(node, key, parameters, expected, [name for name, _ in sections])
     ]
 
 
@@ -310,9 +323,12 @@ def _check_parameter(
     key: str,
     parameters: Mapping[str, Any],
     expected: Any,
+    nodes: Sequence[str],
 ) -> Iterable[Problem]:
     if key not in parameters:
-        return [Problem(f"{node} gets no {key} from the file", "a parameter is missing in the file")]
+        own = f"only {join_words(list(parameters))}" if parameters else f"whose nodes are {join_words(nodes)}"
+        message = f"{node} gets no {key} from the file, {own}"
+        return [Problem(message, "a parameter is missing in the file")]
     value = parameters[key]
     if type(value) is not type(expected):
         type_text = NAMES[type(expected)]

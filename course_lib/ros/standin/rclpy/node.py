@@ -1,9 +1,10 @@
 """Nodes, the units that ROS programs consist of."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from operator import attrgetter
+from types import FunctionType
 from typing import Any, Literal, TypedDict, TypeVar, cast
 
 from rcl_interfaces.msg import (
@@ -84,6 +85,27 @@ _SAME_NAME = (
 )
 
 
+# Properties of a node that rclpy reads, and its errors if a program's class has a method of this
+# name. rclpy raises some of them only when the node is spun.
+_READ_BY_RCLPY: Mapping[str, tuple[type[Exception], str]] = {
+    "handle": (TypeError, "'method' object does not support the context manager protocol"),
+    "context": (AttributeError, "'function' object has no attribute 'handle'"),
+    "executor": (AttributeError, "'function' object has no attribute 'wake'"),
+    "default_callback_group": (AttributeError, "'function' object has no attribute 'add_entity'"),
+    **dict.fromkeys(
+        ("timers", "subscriptions", "clients", "services", "guards", "waitables"),
+        (TypeError, "'method' object is not iterable"),
+    ),
+}
+
+
+def _reject_hidden_properties(kind: type) -> None:
+    """Raise the error of rclpy if a class has a method with the name of a property that rclpy reads."""
+    for name, (error, text) in _READ_BY_RCLPY.items():
+        if isinstance(getattr(kind, name, None), FunctionType):
+            raise error(text)
+
+
 class NodeOptions(TypedDict, total=False):
     """The keyword arguments of Node."""
 
@@ -138,6 +160,7 @@ class Node:
         automatically_declare_parameters_from_overrides: bool = False,
         enable_logger_service: bool = False,
     ) -> None:
+        _reject_hidden_properties(type(self))
         context = get_default_context() if context is None else context
         for flag in (use_global_arguments, enable_rosout):
             require_bool(flag)

@@ -18,6 +18,11 @@ MESSAGES = [
         "pass each value with the name of its field: Marker(ns=…, id=…).",
     ),
     (
+        "from geometry_msgs.msg import Twist\nTwist(0.3, 0.2)",
+        "TypeError: Twist.__init__() takes 1 positional argument but 3 were given",
+        "Twist takes its fields by name: linear and angular.",
+    ),
+    (
         "from visualization_msgs.msg import MarkerArray\nMarkerArray([Marker()])",
         "TypeError: MarkerArray.__init__() takes 1 positional argument but 2 were given",
         "pass each value with the name of its field: MarkerArray(markers=…).",

@@ -3,6 +3,34 @@
 # (program, last line of the error, hint below it)
 NODES = [
     (
+        "class Robot(Node):\n    def __init__(self):\n        super().__init__('a')\n"
+        "        self.create_timer(0.1, self.executor)\n    def executor(self):\n"
+        "        pass\nrclpy.spin_once(Robot())",
+        "AttributeError: 'function' object has no attribute 'wake'",
+        "rclpy itself reads executor of a node: choose another name for your method executor.",
+    ),
+    (
+        "class Robot(Node):\n    def __init__(self):\n        super().__init__('a')\n"
+        "        self.create_timer(0.1, self.context)\n    def context(self):\n"
+        "        pass\nrclpy.spin_once(Robot())",
+        "AttributeError: 'function' object has no attribute 'handle'",
+        "rclpy itself reads context of a node: choose another name for your method context.",
+    ),
+    (
+        "class Robot(Node):\n    def __init__(self):\n        super().__init__('a')\n"
+        "        self.create_timer(0.1, self.handle)\n    def handle(self):\n"
+        "        pass\nrclpy.spin_once(Robot())",
+        "TypeError: 'method' object does not support the context manager protocol",
+        "rclpy itself reads handle of a node: choose another name for your method handle.",
+    ),
+    (
+        "class Robot(Node):\n    def __init__(self):\n        super().__init__('a')\n"
+        "        self.create_timer(0.1, self.timers)\n    def timers(self):\n"
+        "        pass\nrclpy.spin_once(Robot())",
+        "TypeError: 'method' object is not iterable",
+        "rclpy itself reads timers of a node: choose another name for your method timers.",
+    ),
+    (
         "class Robot(Node):\n"
         "    def __init__(self):\n"
         "        self.publisher = self.create_publisher(String, 'chatter', 10)\n"

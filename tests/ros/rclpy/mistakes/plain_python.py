@@ -3,6 +3,28 @@
 # (program, last line of the error, hint below it)
 PLAIN_PYTHON = [
     (
+        "min[5, 3]",
+        "TypeError: 'builtin_function_or_method' object is not subscriptable",
+        "a function is called with ( ), not with [ ].",
+    ),
+    (
+        "f'{2.0:.1q}'",
+        "ValueError: Unknown format code 'q' for object of type 'float'",
+        "after the colon in { } is a format, such as .2f for a number with two decimals, or d for a "
+        "whole number.",
+    ),
+    (
+        "def turn(angle):\n    math = 3\n    return math.cos(angle)\nturn(1.0)",
+        "AttributeError: 'int' object has no attribute 'cos'",
+        "math is a variable here, math = …, and hides the module math: choose another name for it, and "
+        "import the module again.",
+    ),
+    (
+        "for (name, height), number in enumerate([('a', 1.0)]):\n    pass",
+        "TypeError: cannot unpack non-iterable int object",
+        "enumerate gives pairs, an index and then an item: `for index, item in enumerate(items)`.",
+    ),
+    (
         "async def chosen():\n    return [1]\nfor item in chosen():\n    pass",
         "TypeError: 'coroutine' object is not iterable",
         "an async function has no result yet: leave out async, or write await before the call.",
@@ -299,7 +321,7 @@ PLAIN_PYTHON = [
     (
         "def two_link(lift, elbow): ...\ntwo_link(1.0, 1.0, 0.0, 0.0)",
         "TypeError: two_link() takes 2 positional arguments but 4 were given",
-        "def two_link(…) has 2 names in ( ), and the call passes 4 values. If check(…) makes the "
+        "the call passes 4 values, and two_link takes 2. If check(…) makes the "
         "call, the function needs the names of the task.",
     ),
     (
