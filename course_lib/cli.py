@@ -15,7 +15,7 @@ import typer
 from typer.exceptions import TyperException
 
 from course_lib import usual_commands
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, format_count
 from course_lib.usual_commands import fix_hash_seed
 
 if TYPE_CHECKING:
@@ -163,7 +163,7 @@ def verify(
 
     course, reports = this_course(), []
     for report in look(course, weeks or (), jobs):
-        typer.echo(f"{report.week}: {len(report.flaws) or 'nothing'} to correct", err=True)
+        typer.echo(f"{report.week}: {format_count(len(report.flaws), 'flaw')}", err=True)
         reports.append(report)
     save_digests(course, reports)
     Console().print(table(reports))

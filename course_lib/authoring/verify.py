@@ -386,14 +386,14 @@ class WeekReport:
     Args:
         week: "week01", or EXTRAS.
         flaws: The flaws that were found.
-        unknown: The aspects that could not be checked.
+        unchecked: The aspects that could not be checked.
         placeholders: Number of remaining template placeholders by file.
         kept: Fraction of the task's points that each wrong answer earns.
     """
 
     week: str
     flaws: tuple[Flaw, ...]
-    unknown: frozenset[str] = frozenset()
+    unchecked: frozenset[str] = frozenset()
     placeholders: Mapping[str, int] = field(default_factory=dict)
     kept: Mapping[str, float] = field(default_factory=dict)
 
@@ -406,7 +406,7 @@ class WeekReport:
         """Return the symbol for an aspect: passed, failed or skipped."""
         if any(flaw.aspect == aspect for flaw in self.flaws):
             return "✘"
-        return "." if aspect in self.unknown else "✔"
+        return "." if aspect in self.unchecked else "✔"
 
 
 def verify(
@@ -678,7 +678,7 @@ def refuse_broken(course: Course, tell: Callable[[str], object] = lambda _: None
         for report in verify(course, [week]):
             reports.append(report)
             for flaw in report.flaws[:1]:
-                tell(f"{week}: {len(report.flaws)} to correct. {flaw.aspect}: {flaw}")
+                tell(f"{week}: {format_count(len(report.flaws), 'flaw')}. {flaw.aspect}: {flaw}")
     save_digests(course, reports)
     reports.append(WeekReport(EXTRAS, tuple(page_flaws(EXTRAS, course))))
     broken_reports = [report for report in reports if report.flaws]

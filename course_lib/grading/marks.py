@@ -294,7 +294,7 @@ class GradebookRow:
 
     @property
     def cells(self) -> dict[str, str | float]:
-        """The cells by `COLUMNS`."""
+        """The values of the gradebook's columns, by the names in `COLUMNS`."""
         numbers = asdict(self.mark) if self.mark else dict.fromkeys(MARK_COLUMNS, "")
         texts = {name: getattr(self, name) for name in COLUMNS if name not in MARK_COLUMNS}
         return {name: {**numbers, **texts}[name] for name in COLUMNS}

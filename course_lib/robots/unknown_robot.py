@@ -185,7 +185,7 @@ class LidarDriver(RobotPart):
 
 
 class BaseDriver(RobotPart):
-    """Drives in a circle: odometry, gyroscope, frames, the plan, and a service."""
+    """Simulates a base that drives in a circle, with its odometry, gyroscope, frames, plan and a service."""
 
     def __init__(self, serial: int) -> None:
         super().__init__("base_driver", serial)
@@ -237,7 +237,7 @@ class Gripper(RobotPart):
 
     def __init__(self, serial: int) -> None:
         super().__init__("gripper", serial)
-        self._states = self.create_publisher(JointState, "joint_states", 10)
+        self._state_publisher = self.create_publisher(JointState, "joint_states", 10)
         self._commands = self.create_publisher(JointState, "joint_commands", 10)
         # In meters.
         self._goal_position = self._is = 0.0
@@ -246,7 +246,7 @@ class Gripper(RobotPart):
 
     def _report(self) -> None:
         self._is += 0.4 * (self._goal_position - self._is)
-        for publisher, position in ((self._states, self._is), (self._commands, self._goal_position)):
+        for publisher, position in ((self._state_publisher, self._is), (self._commands, self._goal_position)):
             state = JointState(name=["finger_joint"], position=[position])
             state.header.stamp = self.get_clock().now().to_msg()
             publisher.publish(state)
@@ -263,7 +263,7 @@ class Board(RobotPart):
     def __init__(self, serial: int) -> None:
         super().__init__("board", serial)
         add = partial(self.create_publisher, qos_profile=10)
-        self._battery = add(BatteryState, "battery")
+        self._battery_publisher = add(BatteryState, "battery")
         self._temperature = add(Temperature, "motor_temperature")
         self._load, self._accuracy = add(Float64, "load"), add(Float64, "detector/accuracy")
         self._start_ns = self.get_clock().now().nanoseconds
@@ -276,7 +276,7 @@ class Board(RobotPart):
         # In degrees Celsius.
         warmth = Temperature(temperature=75.0 - 40.0 * math.exp(-seconds / 20.0))
         battery.header.stamp = warmth.header.stamp = now.to_msg()
-        self._battery.publish(battery)
+        self._battery_publisher.publish(battery)
         self._temperature.publish(warmth)
         self._load.publish(Float64(data=0.5 + 0.2 * math.sin(seconds)))
         self._accuracy.publish(Float64(data=0.92))

@@ -34,7 +34,7 @@ class SensorOptions(TypedDict, total=False):
 
 
 class SensorNode(Node, ABC):
-    """Calls `measure` of its subclass at a rate.
+    """Base class of sensors, which calls `measure` of the subclass at a fixed rate.
 
     Args:
         world: The world to measure.

@@ -28,7 +28,7 @@ class SidePanel:
     """
 
     def __init__(self) -> None:
-        # Whether the views of the next cells take the panel.
+        # Whether the views of the next cells are shown in the panel.
         self.is_wanted = False
         self._lock = threading.RLock()
         # Widgets that were in the panel, or wait for it; the last one is to be shown.

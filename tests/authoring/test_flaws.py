@@ -393,7 +393,7 @@ def test_broken_course_is_not_released_and_verified_weeks_are_not_rerun(
     messages = list[str]()
     with pytest.raises(CourseError, match=r"nothing was released\. week09, quiz: week09\.toml line 3"):
         refuse_broken(course, messages.append)
-    assert messages[1] == "week09: 1 to correct. quiz: week09.toml line 3: no right answer"
+    assert messages[1] == "week09: 1 flaw. quiz: week09.toml line 3: no right answer"
     flaws, messages = (), []
     refuse_broken(course, messages.append)
     assert messages == ["verifying week09 (1 of 1), which can take minutes …"]

@@ -77,7 +77,7 @@ def test_pose_without_the_frame_of_its_path_is_reported(evidence: MakeEvidence) 
     assert verdict.mistake == "the frame of a pose in a path is wrong"
 
 
-def test_mirrored_pose_is_a_kind_of_its_own(evidence: MakeEvidence) -> None:
+def test_mirrored_pose_has_its_own_kind_of_mistake(evidence: MakeEvidence) -> None:
     check = expect_path("/way", count=2, frame="map", ends=((0, 0, 0), (-1.0, 0, 0)))
     assert check.judge(evidence(way(count=2))).mistake == "a pose of a path is mirrored"
 

@@ -73,7 +73,7 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
     except ValueError as error:
         start = data.lstrip()[:4].lower()
         kinds = [text for first, text in LOOKS_LIKE.items() if start.startswith(first)]
-        # A marker in the first line also begins like a web page.
+        # A conflict marker in the first line begins with "<", like a web page.
         if CONFLICT.search(data):
             kinds.insert(0, "git's markers of a merge conflict are in it")
         problem = kinds[0] if kinds else "it is not JSON" if start else "it is empty"

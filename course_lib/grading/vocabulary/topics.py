@@ -198,7 +198,7 @@ def _repetition_problems(received: list[tuple[float, Any]], topic: str) -> list[
 
 
 def _identity(value: Any) -> Iterator[object]:
-    """Yield the names, frames and ids in a message as plain data. They identify its subject."""
+    """Yield the names, frames and ids in a message as plain data, which identify its subject."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, dict):

@@ -81,7 +81,7 @@ class ServiceEnd(Entity):
         service_event_qos_profile: QoSProfile,
         introspection_state: ServiceIntrospectionState,
     ) -> None:
-        """Publish the requests and responses on `<service>/_service_event`, or stop doing so.
+        """Start or stop publishing the requests and responses on `<service>/_service_event`.
 
         Args:
             clock: The clock for the time stamps of the events.
