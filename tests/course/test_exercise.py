@@ -78,8 +78,8 @@ def test_every_solution_has_an_exercise() -> None:
             "# solution: a is empty\na = 1",
             "write '# end of solution' after the line '# solution: a is empty'",
         ),
-        ("a = 1\n# end of solution", "'# end of solution' does not fit"),
-        ("# solution: a\n# solution: b\n# end of solution", "'# solution: b' does not fit"),
+        ("a = 1\n# end of solution", "'# end of solution' is in the wrong place"),
+        ("# solution: a\n# solution: b\n# end of solution", "'# solution: b' is in the wrong place"),
     ],
 )
 def test_invalid_solution_marker_is_reported_in_one_line(
