@@ -213,7 +213,7 @@ class Evidence:
         return f"a message on {largest.topic} holds {len(largest.cdr) / 1e6:.0f} MB"
 
     def release(self) -> None:
-        """Drop decoded messages and computed values, which need ten times the memory."""
+        """Discard decoded messages and computed values, which use ten times the memory of the samples."""
         self._decoded.clear()
         self._computed.clear()
 

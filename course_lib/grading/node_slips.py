@@ -95,7 +95,7 @@ def _unfilled_buffers(cls: ast.ClassDef) -> Iterator[str]:
     filled = {ast.unparse(argument) for one in listeners for argument in one.args[:1]}
     for buffer in sorted(created - filled):
         call = f"TransformListener({buffer}, self)"
-        # A variable may be handed on, as to a function that makes the listener.
+        # A local variable may be passed to a function that creates the listener.
         asked = (f"{buffer}.lookup_transform", f"{buffer}.can_transform", f"{buffer}.transform")
         if not buffer.startswith("self.") or not any(
             isinstance(node, ast.Attribute) and ast.unparse(node) in asked for node in ast.walk(cls)

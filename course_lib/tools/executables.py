@@ -49,7 +49,7 @@ def _rviz2() -> None:
 
         # The viewer is not created by rclpy, so its parameter is read from the command line here.
         ros_arguments = get_default_context().arguments
-        renamed = (ros_arguments.renamed("rviz2", *rule) for rule in (("__ns", "/"), ("__node", "rviz2")))
+        renamed = (ros_arguments.remap_node("rviz2", *rule) for rule in (("__ns", "/"), ("__node", "rviz2")))
         parameter = ros_arguments.parameters(names.join(*renamed)).get("use_sim_time")
         sim = parameter is not None and parameter.value is True
         _display_viewer(Viewer.from_rviz(layout, use_sim_time=sim) if layout else Viewer(use_sim_time=sim))

@@ -94,9 +94,9 @@ def run_piped(line: str, ros2: Callable[[Sequence[str], Write], None], write: Wr
             write = stack.enter_context(target[1].open(target[0], encoding="utf-8")).write
         try:
             write = stack.enter_context(pipe_through(filters, write)) if filters else write
-        # Raised where notebooks are graded.
+        # Programs cannot be started during grading.
         except PermissionError:
-            write(f"No program may be started here; this is what {filters[0][0]} would be given:\n")
+            write(f"No program may be started here; the input of {filters[0][0]} would be:\n")
         # A program prints to standard output itself.
         if arguments[:1] == ["run"] and (filters or target):
             stack.enter_context(redirect_stdout(_CallbackStream(write)))

@@ -233,7 +233,7 @@ def _kind_of_type(field: FieldDefinition) -> Kind:
         if field.container == "scalar":
             rule = f"a sub message of type '{item.__name__}'"
             return Kind(item, make_check(field, rule, lambda value: isinstance(value, item)), exact=item)
-        return _list(field, item, None)
+        return _list_kind(field, item, None)
     primitive = PRIMITIVES[field.base]
     if field.container == "scalar":
         default = _default_factory(primitive) if field.default is None else lambda: field.default
@@ -242,18 +242,18 @@ def _kind_of_type(field: FieldDefinition) -> Kind:
         exact = primitive.python if is_double or is_free else None
         return Kind(default, scalar_check(field, primitive), exact=exact)
     if primitive.code:
-        return (_block if field.container == "array" else _numbers)(field, primitive)
-    return _list(field, primitive.python, primitive)
+        return (_array_kind if field.container == "array" else _sequence_kind)(field, primitive)
+    return _list_kind(field, primitive.python, primitive)
 
 
 def _default_factory(primitive: Primitive) -> Callable[[], Any]:
     return (lambda: b"\x00") if primitive.python is bytes else primitive.python
 
 
-def _numbers(field: FieldDefinition, primitive: Primitive) -> Kind:
-    """An array.array.
+def _sequence_kind(field: FieldDefinition, primitive: Primitive) -> Kind:
+    """Return the kind of a numeric sequence, stored as an array.array.
 
-    One that is assigned is stored itself; other values are copied into a new one.
+    An assigned array.array of the right type is stored without a copy; other values are copied.
     """
     code, dtype = primitive.code, primitive.dtype
 
@@ -270,8 +270,11 @@ def _numbers(field: FieldDefinition, primitive: Primitive) -> Kind:
     )
 
 
-def _block(field: FieldDefinition, primitive: Primitive) -> Kind:
-    """A numpy array of fixed length. One that is assigned is stored itself."""
+def _array_kind(field: FieldDefinition, primitive: Primitive) -> Kind:
+    """Return the kind of a numeric array of fixed length, stored as a numpy array.
+
+    An assigned numpy array of the right type is stored without a copy.
+    """
     dtype = primitive.dtype
     return Kind(
         default=lambda: np.zeros(field.size, dtype),
@@ -281,8 +284,11 @@ def _block(field: FieldDefinition, primitive: Primitive) -> Kind:
     )
 
 
-def _list(field: FieldDefinition, item: type, primitive: Primitive | None) -> Kind:
-    """A list stored by reference, so elements that a program appends are checked only when it is sent."""
+def _list_kind(field: FieldDefinition, item: type, primitive: Primitive | None) -> Kind:
+    """Return the kind of a list of messages or strings.
+
+    The list is stored by reference, so elements that a program appends are checked only when it is sent.
+    """
     check = collection_check(field, item, primitive)
     send, receive = _LISTS.get(field.base, (None, None))
 

@@ -448,7 +448,7 @@ class Node:
         if not isinstance(name, str):
             raise TypeError("rclpy_resolve_name(): incompatible function arguments.")
         full = names.expand_name(name, node.name, node.namespace, kind)
-        return full if only_expand else node.arguments.remapped(full, node.name, node.namespace, kind)
+        return full if only_expand else node.arguments.remap(full, node.name, node.namespace, kind)
 
     @property
     def default_callback_group(self) -> CallbackGroup:

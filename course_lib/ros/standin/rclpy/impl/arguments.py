@@ -51,11 +51,11 @@ class Arguments:
     # Warnings that rcl logs about the command line.
     warnings: list[str] = field(default_factory=list)
 
-    def renamed(self, node_name: str, kind: str, name: str) -> str:
+    def remap_node(self, node_name: str, kind: str, name: str) -> str:
         """Apply the remapping rules to a node name (`kind` is __node) or namespace (__ns)."""
         return next((rule.to for rule in self._of(node_name) if rule.match == kind), name)
 
-    def remapped(self, full: str, node_name: str, namespace: str, kind: names.Kind) -> str:
+    def remap(self, full: str, node_name: str, namespace: str, kind: names.Kind) -> str:
         """Apply the remapping rules to a fully qualified topic or service name."""
         for rule in self._of(node_name):
             if not rule.match.startswith("__") and rule.kind in (None, kind):

@@ -149,7 +149,7 @@ def endpoints_on(
     """List the publishers or subscriptions on a topic, whose name is resolved for a node."""
     full = names.expand_topic_name(topic_name, node.name, node.namespace)
     names.validate_full_topic_name(full)
-    full = node.arguments.remapped(full, node.name, node.namespace, "topic")
+    full = node.arguments.remap(full, node.name, node.namespace, "topic")
     return [info for info in node.graph.endpoints_on(full) if info.kind == kind]
 
 
@@ -157,7 +157,7 @@ def service_endpoints(node: NodeHandle, service_name: str, failed: str) -> list[
     """List the endpoints of a service, whose name is resolved for a node."""
     full = names.expand_topic_name(service_name, node.name, node.namespace)
     names.validate_full_topic_name(full, is_service=True)
-    full = node.arguments.remapped(full, node.name, node.namespace, "service")
+    full = node.arguments.remap(full, node.name, node.namespace, "service")
     infos = node.require(failed).graph.endpoints()
     return [info for info in infos if info.service is not None and info.service[0] == full]
 

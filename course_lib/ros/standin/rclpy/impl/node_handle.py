@@ -233,8 +233,8 @@ def enter_graph(context: Context, name: str, namespace: str, arguments: Argument
     if not isinstance(name, str) or not isinstance(namespace, str):
         raise TypeError("__init__(): incompatible constructor arguments.")
     names.validate_node_name(name)
-    name = arguments.renamed(name, "__node", name)
-    namespace = arguments.renamed(name, "__ns", namespace)
+    name = arguments.remap_node(name, "__node", name)
+    namespace = arguments.remap_node(name, "__ns", namespace)
     absolute = namespace if namespace.startswith("/") else f"/{namespace}"
     names.validate_namespace(absolute)
     return NodeHandle(context, name, absolute, arguments)
