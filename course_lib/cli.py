@@ -879,7 +879,9 @@ def main() -> None:
         command_words = ["course", *(word for word in arguments if not word.startswith("-"))][: depth + 1]
         _fail(f"{problem}. See: {context.command_path if context else ' '.join(command_words)} --help", debug)
     except OSError as error:
-        _fail(f"{error.filename}: {error.strerror}. Correct this, or choose another file or folder.", debug)
+        # Errors of a write, as on a full disk, have no file name.
+        place = f"{error.filename}: " if error.filename else ""
+        _fail(f"{place}{error.strerror}. Correct this, or choose another file or folder.", debug)
     except (KeyboardInterrupt, typer.Abort):
         sys.exit(usual_commands.INTERRUPTED)
     sys.exit(code or 0)

@@ -181,7 +181,8 @@ def lock_folder(out: Path, waiting: Callable[[str], None] | None = None) -> Iter
     with ExitStack() as stack:
         with writing(out):
             out.mkdir(parents=True, exist_ok=True)
-            file = stack.enter_context((out / LOCK).open("a+"))
+            # Without a buffer, whose second write on closing would replace the error of a full disk.
+            file = stack.enter_context((out / LOCK).open("ab+", buffering=0))
             try:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError as error:
@@ -196,8 +197,7 @@ def lock_folder(out: Path, waiting: Callable[[str], None] | None = None) -> Iter
                 )
                 fcntl.flock(file, fcntl.LOCK_EX)
             file.truncate(0)
-            file.write(f"process {os.getpid()} on {platform.node()}")
-            file.flush()
+            file.write(f"process {os.getpid()} on {platform.node()}".encode())
             for draft in (
                 path for folder in STORED_FOLDERS for path in (out / folder).rglob(".*") if path.is_file()
             ):

@@ -2,6 +2,7 @@
 
 import os
 import random
+import resource
 import signal
 import subprocess
 import time
@@ -131,6 +132,18 @@ def test_clock_jump_does_not_change_marks(
     monkeypatch.setattr(time, "time", lambda: real() + chance.uniform(-1e8, 1e8))
     grade(top / "in", tmp_path / "out", jobs=1, course=course)
     assert fingerprint(tmp_path / "out") == undisturbed
+
+
+def test_folder_on_a_full_disk_is_reported_with_its_path(tmp_path: Path) -> None:
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, hard))
+    try:
+        with pytest.raises(RecordsWriteError, match=r"out can't be written: "), lock_folder(tmp_path / "out"):
+            pass
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    with lock_folder(tmp_path / "out"):
+        assert (tmp_path / "out/.lock").read_text().startswith("process ")
 
 
 def test_second_grader_is_rejected_while_the_first_is_running(course: Course, tmp_path: Path) -> None:
