@@ -527,6 +527,9 @@ def _missing_value_hint(error: BaseException, text: str) -> str:
     owner, name, count, values = match.groups()
     if owner and count != "1":
         return ""
+    # A student who has deleted the cell of a check writes it anew.
+    if name == "check" and "'task_id'" in values:
+        return 'pass the name of the task and your object, as in check("week01.red_cube", RedCubeNode).'
     start = f"the call passes no value for {values.replace(chr(39), '')}"
     line = near_names.line_of_student(error)
     # In create_timer(1.0, self.tick()) and key=score_of(), the function itself is meant.

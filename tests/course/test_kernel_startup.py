@@ -18,6 +18,7 @@ CELLS = [
     "from course_lib import run_live\nrun_live(3)",
     "%load_ext course_lib",
     "Viewr()",
+    "from course_lib import check\ncheck()",
     "sorted(dir())",
 ]
 
@@ -66,8 +67,12 @@ def test_kit_that_is_loaded_replaces_the_hint(shown: list[str]) -> None:
     assert HINT not in shown[5]
 
 
+def test_check_without_arguments_has_an_example(shown: list[str]) -> None:
+    assert 'hint: pass the name of the task and your object, as in check("week01.red_cube"' in shown[6]
+
+
 def test_startup_leaves_no_names(shown: list[str]) -> None:
-    assert "early" not in shown[6]
+    assert "early" not in shown[7]
 
 
 def test_plain_python_runs_the_file_without_effect() -> None:
