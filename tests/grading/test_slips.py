@@ -279,6 +279,14 @@ def test_broadcaster_created_in_a_callback_is_accepted_as_it_sends() -> None:
     assert find_slip(method(*lines).replace("self.angle = 0.0", "self.create_timer(1.0, self.tick)")) == ""
 
 
+def test_list_in_the_body_of_a_class_is_reported_if_it_grows() -> None:
+    source = method("self.markers += [Marker() for _ in items]", "self.p.publish(self.markers)")
+    source = source.replace("self.angle = 0.0", "self.create_timer(1.0, self.tick)")
+    source = source.replace("(Node):\n", "(Node):\n    markers = []\n\n")
+    assert find_growing_list(source).startswith("self.markers keeps the items of each earlier call of tick")
+    assert find_growing_list(source.replace("self.markers +=", "self.markers =")) == ""
+
+
 GROWING = "self.markers.append(marker)"
 
 
