@@ -83,7 +83,7 @@ def test_images_do_not_use_the_recording_limit_of_other_messages() -> None:
     budget = RecordingBudget()
     budget.charge("sensor_msgs/msg/Image", 10**8)
     budget.charge("visualization_msgs/msg/Marker", budget.other_bytes)
-    with pytest.raises(RecordingLimitError, match="more bytes were published"):
+    with pytest.raises(RecordingLimitError, match="the limit on recorded bytes was reached"):
         budget.charge("visualization_msgs/msg/Marker", 1)
     with pytest.raises(RecordingLimitError, match="the limit on recorded messages was reached"):
         RecordingBudget(messages=0).charge("visualization_msgs/msg/Marker", 0)
