@@ -262,6 +262,16 @@ def test_main_of_a_file_without_a_call_runs_like_a_console_script(
         assert run_files([file], seed=0) == code
 
 
+def test_relative_import_in_a_file_started_by_its_path_has_a_hint(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "node.py").write_text("from .config import RATE\n")
+    with use_graph(Graph(end_ns=START_NS + 10**9)):
+        assert run_files([tmp_path / "node.py"], seed=0) == 1
+    hint = "hint: a file started by its path belongs to no package: leave out the dot to import a file next"
+    assert hint in capsys.readouterr().err
+
+
 NODE = "from rclpy.node import Node\n\nclass Talker(Node):\n    pass\n\n"
 UNNAMED = """program.py ran nothing.
 hint: line 9 compares __name__ with "main", and Python names a started program "__main__". \
