@@ -138,7 +138,10 @@ def test_folder_on_a_full_disk_is_reported_with_its_path(tmp_path: Path) -> None
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, hard))
     try:
-        with pytest.raises(RecordsWriteError, match=r"out can't be written: "), lock_folder(tmp_path / "out"):
+        with (
+            pytest.raises(RecordsWriteError, match=r"out can't be written: "),
+            lock_folder(tmp_path / "out"),
+        ):
             pass
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
