@@ -158,9 +158,7 @@ def import_from(package: str, name: str) -> str:
 def import_hint(error: ImportError) -> str:
     """Return a question with the name closest to one that cannot be imported, or ""."""
     if "relative import with no known parent package" in str(error):
-        return (
-            "a file started by its path belongs to no package: leave out the dot to import a file next to it."
-        )
+        return "a started file has no package: leave out the dot to import a file next to it."
     match = re.match(r"cannot import name '(\w+)' from '([\w.]+)'", str(error))
     if match is None:
         return ""

@@ -268,7 +268,7 @@ def test_relative_import_in_a_file_started_by_its_path_has_a_hint(
     (tmp_path / "node.py").write_text("from .config import RATE\n")
     with use_graph(Graph(end_ns=START_NS + 10**9)):
         assert run_files([tmp_path / "node.py"], seed=0) == 1
-    hint = "hint: a file started by its path belongs to no package: leave out the dot to import"
+    hint = "hint: a started file has no package: leave out the dot to import a file next to it."
     assert hint in capsys.readouterr().err
 
 
