@@ -85,7 +85,9 @@ def test_hint_for_a_silent_topic_lists_active_topics_of_its_type() -> None:
 def test_topic_with_a_publisher_that_has_not_yet_published_gets_no_hint() -> None:
     bench = Bench()
     bench.publish("/marker", marker())
-    bench.session.published_types = {"/markers": {"visualization_msgs/msg/Marker"}}.__getitem__
+    bench.session.published_types = lambda topic: (
+        ["visualization_msgs/msg/Marker"] if topic == "/markers" else []
+    )
     assert bench.hints(bench.marker) == []
 
 

@@ -302,7 +302,7 @@ def test_robot_on_the_gateway_computer_connects_to_the_printed_port(
     says(log, "guest drives")
     output = course(tmp_path, "router", "--listen", f"tcp/127.0.0.1:{free_port()}", "--robot-port", str(port))
     assert f"can't listen at {there}" in output
-    assert "--robot-port takes another" in output
+    assert "Choose another one with --robot-port" in output
     nodes = {"listen/endpoints": ["tcp/127.0.0.1:0"], "scouting/gossip/enabled": True}  # as rmw_zenoh has it
     sensor, controller = (opened(there, mode="peer", **nodes) for _ in range(2))
     student = opened(place, users_in(tmp_path)[1])

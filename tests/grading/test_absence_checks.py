@@ -62,7 +62,7 @@ def test_premature_message_is_reported(evidence: MakeEvidence, at: float, messag
         ),
         (
             Image(width=4, height=1, step=2, data=bytes(2), encoding="mono8"),
-            "the first image on /image has 2 bytes of data for 1 rows of 2 bytes (step)",
+            "the first image on /image has rows of 4 pixels of 'mono8' in 2 bytes (step), expected 4 or more",
         ),
         (
             Image(width=2, height=1, step=2, data=bytes(2), encoding="gray8"),

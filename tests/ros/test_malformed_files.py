@@ -182,7 +182,7 @@ def test_package_error_includes_its_file(write: Write, manifest: str, setup: str
             r"expected a string or a substitution, not 3; write it in quotes, '3' \(l\.launch\.py, line 6",
         ),
         ("Node(package='a', executable='b', remappings=['ab'])", r"remappings=\['ab'\], expected pairs: "),
-        ("Node('a', 'b')", r"hint: pass each value with its name"),
+        ("Node('a', 'b')", r"hint: Node takes the last values by name"),
     ],
 )
 def test_launch_file_error_includes_the_line(write: Write, action: str, expected: str) -> None:

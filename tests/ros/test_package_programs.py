@@ -118,7 +118,7 @@ def test_course_option_after_an_executable_gets_a_hint(
     for words, count in ((["--seconds", "1"], 1), (["--ros-args", "-p", "seconds:=1"], 0)):
         ros2_over(["run", "my_robot", "talker", *words], files=[], bag=None, seconds=1.0)
         assert capsys.readouterr().err.count("course ros2 --seconds 1 run my_robot …") == count
-    with pytest.raises(CourseError, match=r"given with --run: course ros2 --run setup\.py topic list$"):
+    with pytest.raises(CourseError, match=r"with --run: course ros2 --run setup\.py topic list$"):
         ros2_over(["setup.py"], files=[], bag=None, seconds=1.0)
 
 
