@@ -35,9 +35,9 @@ LONGEST = (
     "tests/authoring/test_flaws.py",
 )
 Kind = Literal["browser", "busy", "waiting"]
-# The kinds that the first worker runs first, the second and the third one, and again from the
-# fourth one on.
-FIRST: tuple[Kind, ...] = ("browser", "busy", "waiting")
+# The kinds that the workers run first, and again from the fifth one on. The fourth one runs what the
+# processors have time for while browsers and networks wait.
+FIRST: tuple[Kind, ...] = ("browser", "busy", "waiting", "busy")
 # What a worker takes that has no files of its kind left. A browser and a JupyterLab would be
 # started for it.
 AFTERWARDS: tuple[Kind, ...] = ("busy", "waiting", "browser")
@@ -51,7 +51,7 @@ def kind_of(file: str) -> Kind:
 
 
 class ByKind(LoadFileScheduling):  # type: ignore[misc]  # as above
-    """Assign browsers to one of three workers, waiting tests to another one, other files to the third one.
+    """Assign browsers to one worker, waiting tests to another one, and other files to the others.
 
     A worker runs the files of one kind one after the other: those with browsers share one and a JupyterLab.
     The longest files of each kind come first.

@@ -59,7 +59,13 @@ def order(pytestconfig: pytest.Config, monkeypatch: pytest.MonkeyPatch) -> Order
 
 
 @pytest.mark.parametrize(
-    ("count", "expected"), [(1, ["bcdaghijklef"]), (2, ["bcdike", "aghjlf"]), (3, ["bcdj", "aghk", "efil"])]
+    ("count", "expected"),
+    [
+        (1, ["bcdaghijklef"]),
+        (2, ["bcdike", "aghjlf"]),
+        (3, ["bcdj", "aghk", "efil"]),
+        (4, ["bcd", "ahj", "efk", "gil"]),
+    ],
 )
 def test_each_worker_starts_with_files_of_one_kind_and_helps_the_others_afterwards(
     count: int, expected: list[str], order: Order
