@@ -2,17 +2,12 @@
 
 A hint is found by the type of the exception, by a pattern of its text and, where the text is
 ambiguous, by the mistake with which the raising code has marked the exception.
-
-The hint for a syntax error is found by the parser's message and the line at which the parser stops.
-Typical causes are text from web pages, chats and C++, decimal commas, and commands of a terminal.
 """
 
 import dis
 import linecache
 import re
-import sys
 import tomllib
-import unicodedata
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,98 +18,10 @@ from typing import Any
 import numpy as np
 
 from course_lib.errors import join_words
-from course_lib.ros import hidden_names, import_hints, near_names
+from course_lib.ros import hidden_names, import_hints, near_names, syntax_hints
 from course_lib.ros.messages.definitions import definition, type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
 from course_lib.ros.programs.packages import unavailable_reason
-
-# A pattern for the line at which the older parser stops, and the newer rule that allows it.
-_NEWER = (
-    (r"^\s*type\s+\w+", "`type NAME = …` names a type"),
-    (
-        r"^\s*(async\s+def|def|class)\s+\w+\s*\[",
-        "there are type parameters, as in `def f[T](x: T)`",
-    ),
-)
-_F_STRING = r"(?<!\w)([rR][fF]|[fF][rR]?)[\"']"
-# Errors of an older Python for quotes in a field that end the f-string, for a backslash in a field,
-# and for a line break after a bracket or an operator. Other errors in such a line have other
-# causes.
-_NEWER_FIELD = r"f-string: (unmatched '[(\[{]'|expecting '}')|f-string expression part cannot include"
-_OPEN_FIELD = r"\{[^}\"']*(?<=[-+*/,(\[{])\s*$"
-# They are read on import, because a program may later use up all file handles.
-_TABLES = tomllib.loads(Path(__file__).with_name("hints.toml").read_text("utf-8"))
-_SYNTAX: dict[str, list[list[str]]] = _TABLES["syntax"]
-# Two numbers without a space, but not three of them.
-_DECIMAL_COMMA = re.compile(r"(?<![\w.,])-?\d+,\d+(?!\w|\.|,\d)")
-
-
-def syntax_hint(error: SyntaxError) -> str:
-    """Return the hint for a syntax error, or "" if Python's message needs no explanation."""
-    line, message = error.text or "", error.msg or ""
-    if found := re.match(r"invalid character '(.)'", message):
-        return _character_hint(found[1])
-    if re.match(r"invalid non-printable character", message):
-        return "the line has a space or a sign that is none, as in text from a web page: type the line anew."
-    if newer := newer_python_hint(error):
-        return newer
-    if message.startswith("positional argument follows") and (found_comma := decimal_comma_hint(line)):
-        return found_comma
-    # The parser stops one line later where C and Java open a block, or where a class has no ( ).
-    before = linecache.getline(error.filename, error.lineno - 1) if error.filename and error.lineno else ""
-    return _hint_in_table("before", message, before) or _hint_in_table("lines", message, line)
-
-
-def _hint_in_table(table: str, message: str, line: str) -> str:
-    for text, pattern, hint in _SYNTAX[table]:
-        if re.search(text, message) and (match := re.search(pattern, line)):
-            return hint.format(match[0], *match.groups())
-    return ""
-
-
-def decimal_comma_hint(line: str) -> str:
-    """Return the hint for a number like 0,5 in a line that failed, or ""."""
-    found = _DECIMAL_COMMA.search(line)
-    if found is None:
-        return ""
-    return f"a decimal number has a point, 0.5. With a comma, as in {found[0]}, these are two numbers."
-
-
-def _character_hint(character: str) -> str:
-    meant = next((text for signs, text in _SYNTAX["characters"] if character in signs), "")
-    # Full-width characters of East Asian keyboards have a plain form.
-    plain = unicodedata.normalize("NFKC", character)
-    if not meant and plain.isascii() and len(plain) == 1:
-        meant = f"{plain}, with the keyboard set to English"
-    instead = f"instead of {character} write {meant}."
-    return instead if meant else f"the code cannot contain {character}: delete it."
-
-
-def newer_python_hint(error: SyntaxError) -> str:
-    """Return a hint about the syntax of Python 3.12 that a line may use, or "".
-
-    From Python 3.12 on it is always "".
-    """
-    if sys.version_info >= (3, 12):
-        return ""
-    line, message = error.text or "", error.msg or ""
-    if "expecting '}'" in message and line.count("{") != line.count("}"):
-        return ""
-    is_field = re.match(_NEWER_FIELD, message) or (
-        message.startswith("unterminated string") and re.search(_OPEN_FIELD, line)
-    )
-    if is_field and re.search(_F_STRING, line):
-        rule: str | None = "an f-string may have quotes, backslashes and line breaks in braces"
-    else:
-        rule = next((rule for pattern, rule in _NEWER if re.search(pattern, line)), None)
-    if rule is None:
-        return ""
-    here = ".".join(map(str, sys.version_info[:2]))
-    return (
-        f"in Python 3.12, which ROS 2 Jazzy has, {rule}. Here Python {here} runs: install the kit "
-        "with Python 3.12, or write the line for both."
-    )
-
 
 # Limit on the characters of an error's text that are examined.
 MAX_TEXT = 2000
@@ -130,11 +37,10 @@ class Hint:
     mistake: Mistake | None = None
 
 
-# By exception type.
+# By exception type. They are read on import, because a program may later use up all file handles.
 _HINTS = {
     kind: [Hint(text, line, *(Mistake[name] for name in mistake)) for text, line, *mistake in rows]
-    for kind, rows in _TABLES.items()
-    if isinstance(rows, list)
+    for kind, rows in tomllib.loads(Path(__file__).with_name("hints.toml").read_text("utf-8")).items()
 }
 
 
@@ -160,7 +66,7 @@ def hint(error: BaseException) -> str:
     """Return the hint for an exception, or ""."""
     text = _text(error)
     if isinstance(error, SyntaxError):
-        return syntax_hint(error)
+        return syntax_hints.syntax_hint(error)
     if isinstance(error, NameError) and (
         found := _missing_self_hint(error, text) or near_names.name_hint(error)
     ):
@@ -291,7 +197,9 @@ def _decimal_comma_hint(error: BaseException, text: str) -> str:
         r"takes (exactly one|1 positional) argument.*2 (were )?given|attribute 'add_entity'|'tuple'"
         "|too many values to unpack|is not a node"
     )
-    return decimal_comma_hint(near_names.line_of_student(error)) if re.search(surplus, text) else ""
+    return (
+        syntax_hints.decimal_comma_hint(near_names.line_of_student(error)) if re.search(surplus, text) else ""
+    )
 
 
 def _rclpy_attribute_hint(error: BaseException) -> str:

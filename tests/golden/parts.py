@@ -220,7 +220,7 @@ def text_lines() -> Iterator[str]:
     A `{…}` stands for a value. `CourseError` and its subclasses are found by the names that raise them.
     """
     texts = {text for path in (ROOT / "course_lib").rglob("*.py") for text in python_texts(path)}
-    for path in (ROOT / "course_lib").rglob("hints.toml"):
+    for path in (ROOT / "course_lib").rglob("*hints.toml"):
         texts |= set(strings_in(tomllib.loads(path.read_text("utf-8"))))
     yield from sorted(text.replace("\n", "\\n") for text in texts)
 

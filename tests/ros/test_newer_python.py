@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.ros.hints import newer_python_hint
 from course_lib.ros.programs.process import Program
+from course_lib.ros.syntax_hints import newer_python_hint
 
 PROGRAMS = [
     'print(f"value {\n    names[\\"a\\"]} m")',

@@ -7,7 +7,8 @@ import re
 import pytest
 from IPython.core.interactiveshell import InteractiveShell
 
-from course_lib.ros.hints import hint, syntax_hint
+from course_lib.ros.hints import hint
+from course_lib.ros.syntax_hints import syntax_hint
 from course_lib.tools.notebook import shorten_tracebacks
 
 QUOTES = 'write straight quotes, like `"map"`. Web pages and word processors make curved ones.'

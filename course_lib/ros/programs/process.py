@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import ProgramNodes, current_graph, program
-from course_lib.ros.hints import syntax_hint
 from course_lib.ros.programs.packages import python_package, python_path, source
+from course_lib.ros.syntax_hints import syntax_hint
 from course_lib.ros.time.time_lock import (
     AtEnd,
     DeadlockError,

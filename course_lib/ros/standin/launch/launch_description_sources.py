@@ -7,8 +7,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar, cast
 
-from course_lib.ros.hints import syntax_hint
 from course_lib.ros.programs.packages import LAUNCH_IN_WORDS
+from course_lib.ros.syntax_hints import syntax_hint
 from course_lib.ros.tracebacks import format_location
 from course_lib.third_party import compile_python, read_bytes
 from launch.entities import (
