@@ -114,3 +114,15 @@ def test_labels_overlap_as_in_rviz_until_a_button_hides_occluded_labels(host: Ho
     apart.click()
     host.carry()
     assert count(host.pixels(), GREEN, within=120) > 50
+
+
+def test_names_of_frames_at_the_same_position_are_drawn_one_below_the_other(host: Host) -> None:
+    scene = from_above()
+    for name, color in (("base_link", (1, 0, 0, 1)), ("camera_link", (0, 1, 0, 1)), ("laser", (0, 0, 1, 1))):
+        scene.set_object(name, Text("MW", 0.5, color, below=True))
+    show_scene(host, scene)
+    pixels = host.pixels()
+    seen = [np.abs(pixels - color).max(axis=-1) < 120 for color in (RED, GREEN, BLUE)]
+    rows = [np.flatnonzero(mask.any(axis=1)) for mask in seen]
+    assert all(len(row) > 10 for row in rows)
+    assert rows[0].max() < rows[1].min() <= rows[1].max() < rows[2].min()

@@ -162,7 +162,7 @@ export function buildText(text) {
   Object.assign(mask, { flipY: true, unpackAlignment: 1, generateMipmaps: true, needsUpdate: true });
   const size = [text.columns * text.pixel, text.rows * text.pixel, 0];
   const shape = square().translate(0, text.below ? -0.5 : 0, 0);
-  const uniforms = { size, inPixels: false, grow: false, mask, capital: text.height };
+  const uniforms = { size, inPixels: false, grow: false, mask, capital: text.height, lowered: 0 };
   const mesh = createInstances(material("spot", true, "TEXTURED", false), shape, uniforms, {
     start: perInstance(new Float32Array(3), 3),
     startTint: perInstance(text.color, 4),
@@ -175,5 +175,7 @@ export function buildText(text) {
   mesh.userData.mask = mask;
   mesh.userData.capital = text.height; // [m]
   mesh.userData.size = size.slice(0, 2); // [m]
+  mesh.userData.isBelow = text.below; // its origin, as the name of a frame
+  mesh.userData.uniforms = uniforms;
   return mesh;
 }

@@ -183,7 +183,7 @@ const STRIP = `${PLACED}
 const SPOT = `${PLACED}
   attribute float shade;
   varying vec2 vUv, vHalf;
-  uniform float capital;
+  uniform float capital, lowered;
   uniform vec2 letters;
   void main() {
     vec4 here = modelViewMatrix * vec4(start, 1.0);
@@ -205,7 +205,7 @@ const SPOT = `${PLACED}
     #if defined(DOT)
       gl_PointSize = max(size.x * unit / pixelAt(here), 1.0) * density;
     #else
-      here.xyz += axes * (position * size * unit);
+      here.xyz += axes * ((position - vec3(0.0, lowered, 0.0)) * size * unit);
       #ifdef TEXTURED
         vUv = uv;
       #else
@@ -231,7 +231,7 @@ export function material(kind, transparent, define = "", doubleSided = true) {
       vertexShader: { surface: SURFACE, strip: STRIP, spot: SPOT }[kind],
       fragmentShader: FRAGMENT,
       defines: define ? { [define]: "" } : {},
-      uniforms: { pixel, density, ...studio, size: { value: [0, 0, 0] }, inPixels: { value: false }, grow: { value: false }, mask: { value: null }, capital: { value: 1 } },
+      uniforms: { pixel, density, ...studio, size: { value: [0, 0, 0] }, inPixels: { value: false }, grow: { value: false }, mask: { value: null }, capital: { value: 1 }, lowered: { value: 0 } },
       side: doubleSided ? THREE.DoubleSide : THREE.FrontSide,
       transparent,
       depthWrite: !transparent,

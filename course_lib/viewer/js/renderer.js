@@ -1,7 +1,7 @@
 /* global THREE */
 import { drawInsets } from "./insets.js";
 import { Orbit } from "./orbit.js";
-import { inFront } from "./labels.js";
+import { inFront, stackNames, textsOf } from "./labels.js";
 import { density, pixel } from "./materials.js";
 import { drawCoarse } from "./coarse.js";
 import { backgroundOf, onGround, setUp } from "./studio.js";
@@ -57,7 +57,10 @@ export function draw(canvas, mirror, camera, quality = atRest()) {
     pixel.value = metresPerPixel(from, h);
     density.value = scale;
     mirror.light.position.setFromMatrixColumn(from.matrixWorld, 2);
-    const restore = mirror.style === "Studio" ? inFront(mirror.scene, from, pixel.value, w, h) : () => {};
+    const isStudio = mirror.style === "Studio";
+    const restore = isStudio
+      ? inFront(mirror.scene, from, pixel.value, w, h)
+      : stackNames(textsOf(mirror.scene), from, pixel.value, w, h);
     const all = () => drawCoarse(quality.cell, from, h, () => webgl.render(mirror.scene, from));
     if (alpha) onGround(mirror, from, all);
     else all();
