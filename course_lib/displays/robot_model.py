@@ -445,10 +445,11 @@ class RobotModelDisplay(TopicDisplay):
 
 
 Configuration: TypeAlias = Mapping[str, float] | npt.ArrayLike | None
-_STATIC_SETTINGS = LinkSettings({"visual": True, "trail": False}, alpha=1.0)
 
 
-def draw_still(scene: Scene, path: str, robot: Robot, configuration: Configuration) -> None:
+def draw_still(
+    scene: Scene, path: str, robot: Robot, configuration: Configuration, alpha: float = 1.0
+) -> None:
     """Draw a robot's links below a node, replacing its contents.
 
     Args:
@@ -457,16 +458,17 @@ def draw_still(scene: Scene, path: str, robot: Robot, configuration: Configurati
         robot: A robot from `load_robot`.
         configuration: Joint positions by name [rad] or [m], or Pinocchio's vector, which also
             places the root of a model with a free-flyer; None uses the rest posture.
+        alpha: From 0.0, invisible, to 1.0, opaque.
 
     Raises:
         CourseError: A joint does not exist, or a mesh cannot be read.
     """
-    poses = _poses(robot, configuration)
+    poses, settings = _poses(robot, configuration), LinkSettings({"visual": True, "trail": False}, alpha)
     scene.delete(path)
     for link in links_of(robot.urdf):
         drawn_link = DrawnLink(scene, f"{path}/{node_name(link.name)}", link, robot.path)
         drawn_link.place(poses[link.name])
-        drawn_link.show(_STATIC_SETTINGS)
+        drawn_link.show(settings)
         if drawn_link.shapes.errors:
             raise CourseError(f"{robot.name!r} cannot be drawn: {'; '.join(drawn_link.shapes.errors)}")
 

@@ -247,6 +247,7 @@ class Viewer(KnownAttributes):
         *,
         frame: str | None = None,
         at: Sequence[float] = (0.0, 0.0, 0.0),
+        alpha: float = 1.0,
     ) -> None:
         """Draw a robot's links in a frame. No messages are needed except transforms.
 
@@ -257,12 +258,19 @@ class Viewer(KnownAttributes):
             frame: The frame that the robot moves with, which hides it while tf2 doesn't know it;
                 None is the fixed frame.
             at: Its position in that frame, [m].
+            alpha: From 0.0, invisible, to 1.0, opaque. Frames and their names are visible through
+                a robot with an alpha below 1.
+
+        Raises:
+            CourseError: The alpha is not between 0 and 1, or the robot cannot be drawn.
         """
         # Imported here because it is slow to load.
         from course_lib.displays.robot_model import draw_still
 
+        if not 0.0 <= alpha <= 1.0:
+            raise CourseError(f"alpha is {alpha}, expected a number from 0.0 to 1.0")
         path = f"robots/{node_name(robot.name)}"
-        draw_still(self.scene, path, robot, configuration)
+        draw_still(self.scene, path, robot, configuration, alpha)
         self.session.attach(path, frame_name(frame or ""), at)
 
     def save_html(self, path: str | Path, playback: bool = False) -> None:

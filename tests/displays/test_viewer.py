@@ -19,6 +19,7 @@ from course_lib.robots.robot import load_robot
 from course_lib.ros.graph.graph import Graph
 from course_lib.ros.graph.topics import Qos
 from course_lib.viewer import encoding
+from course_lib.viewer.drawables import Solids
 from tests.displays.bench import marker
 from tests.displays.stage import LATCHED, publish, visible_nodes
 from tests.displays.test_layout import LAYOUT
@@ -286,6 +287,15 @@ def test_shown_robot_without_a_frame_stands_in_the_fixed_frame(graph: Graph) -> 
     viewer = Viewer(fixed_frame="odom")
     viewer.show_robot(simple_painter(), at=(-2.5, 0.0, 0.0))
     assert viewer.scene.world_transform("robots/painter/base_link")[:3, 3].tolist() == [-2.5, 0.0, 0.0]
+
+
+def test_shown_robot_has_the_requested_alpha(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer.show_robot(simple_painter(), alpha=0.5)
+    solids = [one for one in viewer.scene.objects().values() if isinstance(one, Solids)]
+    assert {round(float(alpha), 2) for one in solids for alpha in np.atleast_2d(one.colors)[:, 3]} == {0.5}
+    with pytest.raises(CourseError, match="alpha is 50, expected a number from"):
+        viewer.show_robot(simple_painter(), alpha=50)
 
 
 def test_shown_robot_that_does_not_move_changes_nothing_in_later_frames(graph: Graph) -> None:
