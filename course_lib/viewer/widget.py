@@ -6,7 +6,7 @@ import threading
 import uuid
 from collections.abc import Callable
 from io import BytesIO
-from typing import Any
+from typing import Any, TypeAlias
 
 import anywidget
 import traitlets
@@ -18,6 +18,9 @@ from course_lib.viewer import html, renderer
 from course_lib.viewer.drawables import Mesh, Points, Solids
 from course_lib.viewer.page_link import PageLink
 from course_lib.viewer.scene import Scene
+
+# Data and metadata by MIME type.
+MimeBundle: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
 
 
 class SidePanel:
@@ -217,18 +220,23 @@ class SceneWidget(anywidget.AnyWidget):
         if not self.link.is_watched and self.link.snapshot()[0] != self._saved:
             self.send_state(["snapshot", "number"])
 
-    def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    def _repr_mimebundle_(self, **kwargs: Any) -> MimeBundle:
         """Return the view, and a picture for pages that run no scripts: saved, untrusted, on GitHub."""
         data, metadata = super()._repr_mimebundle_(**kwargs) or ({}, {})
-        data["text/plain"] = f"{self.label}: {len(self.scene.objects())} objects"
         is_wanted = "image/png" in (kwargs.get("include") or ("image/png",))
         if is_wanted and _triangles(self.scene) <= _PICTURE_LIMIT:
             png = renderer.draw(self.scene, (_PICTURE_WIDTH, self.height * _PICTURE_WIDTH // 800))
             data["image/png"] = base64.b64encode(_with_caption(png)).decode()
-        return data, metadata
+        return with_description((data, metadata), f"{self.label}: {len(self.scene.objects())} objects")
 
 
 _code: _Code | None = None
+
+
+def with_description(bundle: MimeBundle, text: str) -> MimeBundle:
+    """Return a bundle with this text, which is also the alternative text of its picture."""
+    data, metadata = bundle
+    return data | {"text/plain": text}, metadata | {"image/png": {"alt": text}}
 
 
 def _with_caption(png: bytes) -> bytes:

@@ -1,6 +1,7 @@
 import hashlib
 import json
 import os
+import re
 import shutil
 import signal
 import socket
@@ -14,6 +15,9 @@ from typing import Any
 import psutil
 import pytest
 from jupyter_client.blocking.client import BlockingKernelClient
+from nbconvert import HTMLExporter, SlidesExporter
+from nbformat.v4 import new_code_cell, new_notebook, new_output
+from traitlets.config.loader import JSONFileConfigLoader
 
 from course_lib.course import student_folder as lab_module
 from course_lib.course.student_folder import can_open_browser, command, free_port, lab, provide_home
@@ -191,3 +195,15 @@ def test_kernels_of_the_server_are_encrypted_and_find_the_commands_of_the_kit(
     output = capfd.readouterr()
     # ipykernel would warn of missing encryption, and the server of an unknown option.
     assert "WARNING" not in output.out + output.err
+
+
+@pytest.mark.parametrize("template", ["lab", "classic", "basic", "reveal"])
+def test_pictures_have_their_alternative_texts_in_pages_of_nbconvert(template: str) -> None:
+    data = {"image/png": "iVBO\nRw==", "text/plain": "A view"}
+    output = new_output("display_data", data, metadata={"image/png": {"alt": "<red> cube"}})  # type: ignore[no-untyped-call]
+    notebook = new_notebook(cells=[new_code_cell("viewer", outputs=[output])])  # type: ignore[no-untyped-call]
+    config = JSONFileConfigLoader("jupyter_config.json", str(lab_module.JUPYTER_SETTINGS)).load_config()
+    exporters: dict[str, Any] = {"reveal": SlidesExporter}
+    exporter = exporters.get(template, HTMLExporter)(config=config, template_name=template)
+    html, _ = exporter.from_notebook_node(notebook)
+    assert re.findall('<img alt="([^"]*)" src="data:image/png;base64,iVBORw=="', html) == ["&lt;red&gt; cube"]

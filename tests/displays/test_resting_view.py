@@ -21,7 +21,8 @@ def test_frozen_view_keeps_its_image_and_statuses_while_the_viewer_continues(gra
     viewer.look()
     assert "displays/Marker/drawn" not in "".join(view.scene.objects())
     assert len(viewer.scene.objects()) > len(view.scene.objects())
-    data, _ = view._repr_mimebundle_()
+    data, metadata = view._repr_mimebundle_()
+    assert metadata["image/png"]["alt"] == data["text/plain"]
     assert "Marker         Topic        ✔ Ok    OK" in data["text/plain"]
     assert "messages received" in str(viewer.statuses())
     assert "messages received" not in view.panels

@@ -32,7 +32,8 @@ def test_cell_output_contains_the_view_an_image_and_the_statuses(graph: Graph) -
 
     viewer = Viewer()
     pace.pages.clear()
-    data, _ = viewer._repr_mimebundle_()
+    data, metadata = viewer._repr_mimebundle_()
+    assert metadata["image/png"]["alt"] == data["text/plain"]
     assert {"application/vnd.jupyter.widget-view+json", "image/png", "text/plain"} <= data.keys()
     assert "No tf data." in data["text/plain"]
     assert (

@@ -31,8 +31,8 @@ def scene() -> Scene:
 
 
 def test_cell_output_contains_a_view_an_image_and_text(scene: Scene) -> None:
-    data, _ = SceneWidget(scene, label="The red box")._repr_mimebundle_()
-    assert data["text/plain"] == "The red box: 1 objects"
+    data, metadata = SceneWidget(scene, label="The red box")._repr_mimebundle_()
+    assert data["text/plain"] == metadata["image/png"]["alt"] == "The red box: 1 objects"
     assert "application/vnd.jupyter.widget-view+json" in data
     assert base64.b64decode(data["image/png"]).startswith(b"\x89PNG")
 

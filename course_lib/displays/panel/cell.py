@@ -57,13 +57,13 @@ class ViewerCell:
 
         The viewer that owns this panel lives as long as a page shows it.
         """
-        from course_lib.viewer.widget import side_panel
+        from course_lib.viewer.widget import side_panel, with_description
 
         widget = self._widget(viewer)
         side_panel.take(widget)
-        data, metadata = widget._repr_mimebundle_(**kwargs)
-        text = f"{data['text/plain']}\n{StatusTable(self._session.rows())}"
-        return data | {"text/plain": text}, metadata
+        bundle = widget._repr_mimebundle_(**kwargs)
+        text = f"{bundle[0]['text/plain']}\n{StatusTable(self._session.rows())}"
+        return with_description(bundle, text)
 
     def dock(self, viewer: object) -> None:
         """Show the viewer in a cell.

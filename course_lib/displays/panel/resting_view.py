@@ -15,7 +15,7 @@ from course_lib.viewer.encoding import to_json
 from course_lib.viewer.page_link import PageLink
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.scene_recording import SceneRecording, copy_of
-from course_lib.viewer.widget import SceneWidget
+from course_lib.viewer.widget import MimeBundle, SceneWidget, with_description
 
 # Tools that need no Python.
 _OF_THE_PAGE: tuple[Gesture, ...] = ("interact", "camera", "focus", "measure")
@@ -57,9 +57,9 @@ class RestingView(SceneWidget):
         recording = self._source()
         return recording.packed(*self._span, interval) if recording else self.recording
 
-    def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-        data, metadata = super()._repr_mimebundle_(**kwargs)
-        return data | {"text/plain": f"{data['text/plain']}\n{self._status_text}"}, metadata
+    def _repr_mimebundle_(self, **kwargs: Any) -> MimeBundle:
+        bundle = super()._repr_mimebundle_(**kwargs)
+        return with_description(bundle, f"{bundle[0]['text/plain']}\n{self._status_text}")
 
 
 def _panels(session: RvizSession, notice: str) -> Any:
