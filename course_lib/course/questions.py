@@ -2,7 +2,7 @@
 
 import textwrap
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -18,6 +18,8 @@ SECTION = "predictions"
 ANSWERS = "answers"
 # What `compare` shows before a prediction is made.
 NO_PREDICTION = "No prediction yet. Choose an answer above: what happened then appears here."
+# The line below questions without an answer, on pages without a kernel.
+HOW_TO_ANSWER = "To answer, run this cell in JupyterLab."
 # The tables of a question file.
 KINDS = ("question", "prediction")
 # Columns that fit next to the file browser. JupyterLab would break longer lines inside words.
@@ -301,8 +303,7 @@ def _prediction_form(key: str, question: Question, saved_answer: str | None) -> 
 
     def saved() -> tuple[str, str]:
         chosen_answer = question.answer(choice.value)
-        row = (f"Predict: {question.text}", question, chosen_answer, "")
-        return _as_html([row]), _as_text([row])
+        return _saved([(f"Predict: {question.text}", question, chosen_answer, "")])
 
     choice.observe(keep, names="value")
     title = widgets.HTML(_CHOICE_STYLE + _paragraph(f"<b>Predict:</b> {question.text}"))
@@ -349,6 +350,13 @@ def as_text(questions: tuple[Question, ...]) -> str:
 Shown = tuple[str, Question, Answer | None, str]
 
 
+def _saved(rows: Sequence[Shown]) -> tuple[str, str]:
+    """Return questions as HTML and as text for pages without a kernel."""
+    if all(chosen for _, _, chosen, _ in rows):
+        return _as_html(rows), _as_text(rows)
+    return f"{_as_html(rows)}\n<p>{HOW_TO_ANSWER}</p>", f"{_as_text(rows)}\n{HOW_TO_ANSWER}"
+
+
 def _as_text(rows: Iterable[Shown]) -> str:
     lines = []
     for title, question, chosen, below in rows:
@@ -391,7 +399,7 @@ def _quiz_form(week: str, questions: tuple[Question, ...]) -> Form:
         for number, (question, choice) in enumerate(zip(questions, choices, strict=True), 1):
             chosen = None if choice.index is None else question.answers[choice.index]
             rows.append((f"{number}. {question.text}", question, chosen, verdict(chosen) if chosen else ""))
-        return _as_html(rows), _as_text(rows)
+        return _saved(rows)
 
     return Form(widgets.VBox(boxes), saved, on_answer)
 

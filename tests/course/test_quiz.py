@@ -4,6 +4,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.course.questions import (
+    HOW_TO_ANSWER,
     Answer,
     Question,
     _quiz_form,
@@ -83,3 +84,16 @@ def test_answer_is_stored_and_shown_on_pages_without_a_kernel(
     others = tuple(Answer(f"new {one.text}", one.reason, one.right) for one in questions[1].answers)
     changed = (questions[0], Question(questions[1].text, others))
     assert "◉" not in _quiz_form("week01", changed).saved()[0]
+
+
+def test_questions_without_an_answer_state_how_to_answer_on_pages_without_a_kernel(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / ".course").mkdir()
+    monkeypatch.chdir(tmp_path)
+    questions = load_quiz("week01_recall")
+    form = _quiz_form("week01_recall", questions)
+    for number, question in enumerate(questions):
+        assert all(HOW_TO_ANSWER in part for part in form.saved())
+        form.widget.children[number].children[1].index = question.answers.index(question.right)
+    assert not any(HOW_TO_ANSWER in part for part in form.saved())
