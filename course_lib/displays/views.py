@@ -10,16 +10,7 @@ from msgspec.structs import replace
 from course_lib.arrays import Floats, Matrix
 from course_lib.displays.frames import FIXED_FRAME, Frames
 from course_lib.displays.layout import text_at
-from course_lib.displays.properties import (
-    NEVER,
-    Property,
-    PropertyHolder,
-    flag,
-    frame,
-    number,
-    vector,
-    words,
-)
+from course_lib.displays.properties import NEVER, Property, PropertyHolder, flag, frame, number, vector, words
 from course_lib.errors import did_you_mean
 from course_lib.viewer.drawables import Camera
 from course_lib.viewer.encoding import Message

@@ -8,7 +8,7 @@ import math
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
@@ -19,7 +19,7 @@ import numpy as np
 
 from course_lib.course.exercise import code_cells, read_notebook
 from course_lib.course.exercise import source as text_of
-from course_lib.course.state import exercises_dir
+from course_lib.course.state import exercises_dir, first_lesson
 from course_lib.errors import CourseError, format_count
 from course_lib.export.module import without_magics
 from course_lib.grading.evidence import Evidence
@@ -27,16 +27,18 @@ from course_lib.grading.judge import NEEDS_ANOTHER
 from course_lib.grading.node_slips import find_growing_list, find_slip
 from course_lib.grading.records import TaskResult
 from course_lib.grading.run.submission_run import NO_NODE
-from course_lib.grading.slips import (
-    IN_PLACE,
-    Function,
-    find_hidden_error,
-    parse,
-)
+from course_lib.grading.slips import IN_PLACE, Function, find_hidden_error, parse
 from course_lib.grading.task import HINTS, Task
 from course_lib.ros.messages import to_plain
 
 MAX_PLACES = 3
+FILL_IN = (
+    "Your code still stops at the line with raise NotImplementedError. Replace it with your own "
+    "lines, or delete it when they are there, then check again."
+)
+NO_ID = (
+    "Your student ID is not set, so your personal values are those of a guest. Enter it in the form in {}."
+)
 BETTER = "Better: this is worth more points than before."
 _SNIPPET = re.compile(r"`([^`]+)`")
 # Messages that RViz2 displays with its default Reliable, and that sensors do not publish.
@@ -87,6 +89,40 @@ class Advice:
     def __init__(self) -> None:
         self._before: dict[str, _TaskProgress] = {}
         self._steps: Counter[str] = Counter()
+
+    def notes(
+        self,
+        task: Task,
+        result: TaskResult,
+        evidence: Sequence[Evidence],
+        student: str | None,
+        source: str,
+    ) -> list[str]:
+        """Return the lines below a task's result: help after a failure, then remarks.
+
+        Args:
+            task: The task.
+            result: The verdicts of the checks.
+            evidence: The evidence of the public scenarios.
+            student: The student's ID, if it is known.
+            source: The student's code.
+        """
+        lines: list[str] = []
+        if result.is_untouched:
+            lines = [FILL_IN]
+        elif task.scenarios and not result.passed:
+            hints = self.hint(task, result, source)
+            lines = (
+                parameter_order_hint(task, source)
+                or missing_return_hint(task, evidence, source)
+                or wrong_type_hint(evidence)
+                or incompatible_policy_hint(evidence)
+                or missing_node_hint(evidence, source)
+                or [*nan_hint(evidence), *hints]
+            )
+        if task.personal and student is None:
+            lines = [*lines, NO_ID.format(first_lesson())]
+        return [*lines, *large_message_hint(evidence), *best_effort_hint(evidence)]
 
     def hint(self, task: Task, result: TaskResult, source: str = "") -> list[str]:
         """Return the lines of help for a failed result.

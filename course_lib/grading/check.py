@@ -10,19 +10,9 @@ from typing import Any
 
 from course_lib.course.exercise import current_identity
 from course_lib.course.questions import show
-from course_lib.course.state import first_lesson, save_check, student_state
+from course_lib.course.state import save_check, student_state
 from course_lib.errors import CourseError
-from course_lib.grading.advice import (
-    Advice,
-    best_effort_hint,
-    incompatible_policy_hint,
-    large_message_hint,
-    missing_node_hint,
-    missing_return_hint,
-    nan_hint,
-    parameter_order_hint,
-    wrong_type_hint,
-)
+from course_lib.grading.advice import Advice
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import personal_values
 from course_lib.grading.judge import judge_task
@@ -36,13 +26,6 @@ from course_lib.grading.task import Catalog, Task, shipped_catalog
 from course_lib.host import in_notebook
 
 STRICT = "COURSE_STRICT"
-FILL_IN = (
-    "Your code still stops at the line with raise NotImplementedError. Replace it with your own "
-    "lines, or delete it when they are there, then check again."
-)
-NO_ID = (
-    "Your student ID is not set, so your personal values are those of a guest. Enter it in the form in {}."
-)
 # Default of `subject`: None is a valid object to check.
 MISSING = object()
 
@@ -95,9 +78,8 @@ def check(task_id: str, subject: Any = MISSING) -> None:
     table = replace(table, next_step=next_step(catalog, task), notes=(*table.notes, *own_files))
     show(lambda: table, str(table))
     if in_notebook() and task.ghost and not result.passed:
-        from course_lib.grading.reports.scenes import (
-            show_ghost,
-        )  # Imported late, because widgets are slow to load.
+        # Imported late, because widgets are slow to load.
+        from course_lib.grading.reports.scenes import show_ghost
 
         show_ghost(task, runs[0].evidence)
     if strict and not result.passed:
@@ -165,22 +147,7 @@ def table_of(
         advice: The state of the hints shown so far.
         source: The student's code.
     """
-    notes = []
-    if result.is_untouched:
-        notes.append(FILL_IN)
-    elif task.scenarios and not result.passed:
-        hints = advice.hint(task, result, source)
-        notes += (
-            parameter_order_hint(task, source)
-            or missing_return_hint(task, evidence, source)
-            or wrong_type_hint(evidence)
-            or incompatible_policy_hint(evidence)
-            or missing_node_hint(evidence, source)
-            or [*nan_hint(evidence), *hints]
-        )
-    if task.personal and student is None:
-        notes.append(NO_ID.format(first_lesson()))
-    notes += [*large_message_hint(evidence), *best_effort_hint(evidence)]
+    notes = advice.notes(task, result, evidence, student, source)
     return Table(result, tuple(notes), printed_lines(one.output for one in evidence))
 
 

@@ -15,12 +15,7 @@ from course_lib.grading.records import TaskResult
 from course_lib.grading.run.outcome import NOT_DEFINED
 from course_lib.grading.run.run import Job, plan_scenarios, run_scenarios
 from course_lib.grading.submissions.archives import working_files
-from course_lib.grading.submissions.notebook import (
-    NOT_SUBMITTED,
-    CodeCell,
-    own_modules,
-    parse_notebook,
-)
+from course_lib.grading.submissions.notebook import NOT_SUBMITTED, CodeCell, own_modules, parse_notebook
 from course_lib.grading.submissions.submission import NO_EXERCISE, unpack
 from course_lib.grading.task import Task, shipped_catalog
 

@@ -35,15 +35,7 @@ from course_lib.grading.judge import executors, flow, judge
 from course_lib.grading.marks import GradebookRow, MarkedResult, mark, read_marks, stored_result
 from course_lib.grading.records import Fault, Judgement, Result, Submission, TaskResult
 from course_lib.grading.reports.report import has_page, report
-from course_lib.grading.reports.table import (
-    NO_REPORT,
-    broken_check_lines,
-    counts,
-    lost_report_lines,
-    say,
-    show_progress,
-    task_lines,
-)
+from course_lib.grading.reports.table import join_few, printable, say
 from course_lib.grading.reports.tables import review_reasons, write_check_times, write_tables
 from course_lib.grading.run.run import Job, StoredRun, plan_scenarios, prepare, run, store_evidence, unpack
 from course_lib.grading.submissions.archives import working_files
@@ -241,6 +233,8 @@ def _failure_message(wrong: Mapping[Trial, str], course: store.Course) -> str:
 
 
 GRADED = ("graded", "needs_marking", "limit")
+NO_REPORT = "No report could be written"
+MEND = "Correct the check and grade with --rejudge, or give the task's points with `course mark`."
 Faults = Mapping[str, Fault]  # by the key of the missing evidence
 
 
@@ -386,12 +380,30 @@ def second_interrupt_ends_process() -> Iterator[None]:
 
 
 def _grade_with_progress(work: Pending, jobs: int, dask: str | None) -> list[GradebookRow]:
-    """Grade with a progress bar and return the lines of the gradebook."""
+    """Grade with a progress bar, and return the lines of the gradebook.
+
+    Each problem is a line above the bar.
+    """
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    total = len(work.line)
+    rate, columns = TextColumn("{task.fields[rate]}"), (BarColumn(), MofNCompleteColumn())
+    rows = []
     try:
-        return list(show_progress(_grade_all(work, min(jobs, max(len(work.line), 1)), dask), len(work.line)))
+        with Progress(TextColumn("Grading"), *columns, rate, TimeRemainingColumn()) as progress:
+            bar = progress.add_task("", total=total, rate="")
+            for row in _grade_all(work, min(jobs, max(total, 1)), dask):
+                if row.status != "graded":
+                    cells = (row.student, row.exercise, row.status, row.reason, row.message)
+                    line = printable("  ".join(cells))
+                    progress.console.print(line, markup=False, highlight=False, soft_wrap=True)
+                progress.advance(bar)
+                progress.update(bar, rate=f"{progress.tasks[bar].speed or 0:.1f}/s")
+                rows.append(row)
     except KeyboardInterrupt:
         say("Interrupted. Nothing is lost: the same command with --resume continues.")
         raise
+    return rows
 
 
 def _grade_all(work: Pending, jobs: int, dask: str | None) -> Iterator[GradebookRow]:
@@ -537,15 +549,45 @@ def _finish(
     with store.writing(out):
         marked_results = write_tables(out, zone)
     results = [one.result for one in marked_results]
-    for lines in (task_lines, broken_check_lines, lost_report_lines):
-        for line in lines(results):
-            say(line)
-    isolations = Counter(one.isolation for one in results)
-    say(f"{format_count(len(rows), 'submission')}: {counts(rows) or 'nothing to do'}.")
-    for isolation, number in isolations.most_common():
+    for line in (*_task_lines(results), *_fault_lines(results)):
+        say(line)
+    statuses = sorted(Counter(row.status for row in rows).items())
+    counts = ", ".join(f"{number} {status}" for status, number in statuses)
+    say(f"{format_count(len(rows), 'submission')}: {counts or 'nothing to do'}.")
+    for isolation, number in Counter(one.isolation for one in results).most_common():
         say(f"Isolation of {number}: {isolation}.")
     for concern in review_reasons(marked_results, out):
         say(f"Please review: {concern.line(out)}")
     for line in missing_file_lines(results, found_submissions, *work.course.private_folders):
         say(line)
     say(f"Wrote {out / 'gradebook.csv'} and {out / 'reports/index.html'}")
+
+
+def _task_lines(results: Iterable[Result]) -> list[str]:
+    """Return a line per automatically marked task: count of results, mean, count of full marks."""
+    scores: dict[str, list[float]] = {}
+    points: dict[str, float] = {}
+    for result in results:
+        for task in (task for task in result.tasks if not task.rubric):
+            scores.setdefault(task.task, []).append(task.score)
+            points[task.task] = task.points
+    return [
+        f"{task:30} {len(task_scores):5} graded  mean {sum(task_scores) / len(task_scores):5.1f} "
+        f"of {points[task]:g}  "
+        f"{sum(score >= points[task] for score in task_scores)} with full marks"
+        for task, task_scores in sorted(scores.items())
+    ]
+
+
+def _fault_lines(results: Sequence[Result]) -> Iterator[str]:
+    """Yield a line for each check that raised an exception, and for each reason of lost pages."""
+    broken, lost = defaultdict[str, list[str]](list), defaultdict[str, list[str]](list)
+    for result in results:
+        for error in result.judgement.broken if result.judgement else ():
+            broken[error].append(result.submission.student)
+        for note in (note for note in result.notes if note.startswith(NO_REPORT)):
+            lost[note].append(result.submission.student)
+    for error, students in broken.items():
+        yield f"A check could not judge {join_few(students)}: {error}. {MEND}"
+    for note, students in lost.items():
+        yield f"{note} ({join_few(students)}). The marks are valid."

@@ -24,14 +24,7 @@ from course_lib.ros.graph.graph import Graph, Sample, TopicSelector
 from course_lib.ros.graph.topics import Qos, read_tick
 from course_lib.ros.messages import RosMessage
 from course_lib.ros.messages.definitions import definition, type_hash, typestore
-from course_lib.third_party import (
-    LFS_POINTER,
-    MOST_TEXT,
-    NOT_FETCHED,
-    check_regular,
-    check_size,
-    read_text,
-)
+from course_lib.third_party import LFS_POINTER, MOST_TEXT, NOT_FETCHED, check_regular, check_size, read_text
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection, QosTime

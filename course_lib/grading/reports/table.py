@@ -1,21 +1,18 @@
-"""Results as text and HTML: a student's table, and lines for the terminal."""
+"""A result as text and HTML, the templates of pages, and strings made safe for files and terminals."""
 
 import csv
 import io
 import re
-from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_lib.grading.records import CheckResult, Result, TaskResult
+from course_lib.grading.records import CheckResult, TaskResult
 
 if TYPE_CHECKING:
     from jinja2 import Environment
-
-    from course_lib.grading.marks import GradebookRow
 
 ALL_PASSED = "all public checks passed; hidden checks run at grading"
 # Some spreadsheets take the full-width forms of the first four, too.
@@ -162,73 +159,11 @@ def strip_control_characters(value: Any) -> Any:
 
 
 MOST_NAMED = 5  # students per line
-NO_REPORT = "No report could be written"
-MEND = "Correct the check and grade with --rejudge, or give the task's points with `course mark`."
-
-
-def show_progress(rows: Iterable["GradebookRow"], total: int) -> Iterator["GradebookRow"]:
-    """Yield the rows, with a progress bar in the terminal and a line for each problem above it."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    rate, columns = TextColumn("{task.fields[rate]}"), (BarColumn(), MofNCompleteColumn())
-    with Progress(TextColumn("Grading"), *columns, rate, TimeRemainingColumn()) as progress:
-        bar = progress.add_task("", total=total, rate="")
-        for row in rows:
-            if row.status != "graded":
-                cells = (row.student, row.exercise, row.status, row.reason, row.message)
-                line = printable("  ".join(cells))
-                progress.console.print(line, markup=False, highlight=False, soft_wrap=True)
-            progress.advance(bar)
-            progress.update(bar, rate=f"{progress.tasks[bar].speed or 0:.1f}/s")
-            yield row
 
 
 def say(line: str) -> None:
     """Print a line with control characters replaced."""
     print(printable(line))  # noqa: T201
-
-
-def counts(rows: Iterable["GradebookRow"]) -> str:
-    """Return the number of rows per status, as a sentence."""
-    return ", ".join(f"{n} {status}" for status, n in sorted(Counter(row.status for row in rows).items()))
-
-
-def task_lines(results: Iterable[Result]) -> list[str]:
-    """Return a line per automatically marked task: count of results, mean, count of full marks."""
-    scores: dict[str, list[float]] = {}
-    points: dict[str, float] = {}
-    for result in results:
-        for task in (task for task in result.tasks if not task.rubric):
-            scores.setdefault(task.task, []).append(task.score)
-            points[task.task] = task.points
-    return [
-        f"{task:30} {len(task_scores):5} graded  mean {sum(task_scores) / len(task_scores):5.1f} "
-        f"of {points[task]:g}  "
-        f"{sum(score >= points[task] for score in task_scores)} with full marks"
-        for task, task_scores in sorted(scores.items())
-    ]
-
-
-def broken_check_lines(results: Iterable[Result]) -> list[str]:
-    """Return a line for each check that raised an exception, with the affected submissions."""
-    met: dict[str, list[str]] = {}
-    for result in results:
-        for error in result.judgement.broken if result.judgement else ():
-            met.setdefault(error, []).append(result.submission.student)
-    return [
-        f"A check could not judge {join_few(students)}: {error}. {MEND}" for error, students in met.items()
-    ]
-
-
-def lost_report_lines(results: Iterable[Result]) -> list[str]:
-    """Return a line for each reason why pages could not be written, with the students."""
-    students_by_note: dict[str, list[str]] = {}
-    for result in results:
-        for note in (note for note in result.notes if note.startswith(NO_REPORT)):
-            students_by_note.setdefault(note, []).append(result.submission.student)
-    return [
-        f"{note} ({join_few(students)}). The marks are valid." for note, students in students_by_note.items()
-    ]
 
 
 def join_few(students: Sequence[str]) -> str:

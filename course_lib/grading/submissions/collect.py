@@ -30,10 +30,7 @@ from course_lib.grading.submissions.choice import (
     exercise_option,
     inspect_file,
 )
-from course_lib.grading.submissions.notebook import (
-    find_exercise_name,
-    is_notebook_name,
-)
+from course_lib.grading.submissions.notebook import find_exercise_name, is_notebook_name
 from course_lib.grading.submissions.roster import (
     COLUMNS,
     ID_FROM,
