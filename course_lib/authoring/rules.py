@@ -15,12 +15,13 @@ from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 
-from course_lib.authoring.rehearsal import count_options, with_option
+from course_lib.authoring.rehearsal import cells_of, count_options, with_option
 from course_lib.course.exercise import BEGIN, END, Notebook, code_cells, notebook_text, read_notebook, source
 from course_lib.course.questions import Question, read_questions
-from course_lib.errors import CourseError, did_you_mean, location_of
+from course_lib.errors import CourseError, did_you_mean, format_count, location_of
 from course_lib.grading.evidence import Origin
 from course_lib.grading.inputs import build, personal_values
+from course_lib.grading.store import Course, catalog_of
 from course_lib.grading.submissions.notebook import CodeCell
 from course_lib.grading.task import Message, Scenario, Task
 from course_lib.ros.messages.definitions import definition
@@ -462,12 +463,72 @@ class Flaw:
         return f"{self.place}: {self.text}" if self.place else self.text
 
 
+# The row of notebooks that do not belong to a week.
+EXTRAS = "extras"
+
+
+def page_flaws(week: str, course: Course) -> Iterator[Flaw]:
+    """Yield the violations of the rules in a week's notebooks, or in the extras."""
+    if week == EXTRAS:
+        for path in sorted(course.lessons.glob("extra_*.ipynb")):
+            yield from _apply_rules(path, course, [*FOR_ALL, *FOR_EXTRAS])
+        return
+    reviews = sorted(course.lessons.glob(f"{week}_your_review.ipynb"))
+    pages = sorted(set(course.lessons.glob(f"{week}_*.ipynb")) - set(reviews))
+    solution = course.solutions / f"{week}_solution.ipynb"
+    if len(pages) != 1:
+        text = f"{format_count(len(pages), 'lesson')}, expected one"
+        yield Flaw("lesson", text, str(course.lessons / f"{week}_*.ipynb"))
+    for path in pages:
+        rules = [*FOR_ALL, *FOR_LESSONS, *(WITH_EXERCISE if solution.is_file() else ())]
+        yield from _apply_rules(path, course, rules)
+    for path in reviews:
+        yield from _apply_rules(path, course, [*FOR_ALL, *FOR_REVIEWS])
+    for path in (solution, course.exercises / f"{week}_exercise.ipynb"):
+        if path.is_file():
+            yield from _apply_rules(path, course, FOR_ALL)
+    if solution.is_file():
+        lessons = [path for path in sorted(course.lessons.glob("week*.ipynb")) if path.name[:6] <= week]
+        # The rules report unreadable notebooks and syntax errors.
+        with suppress(CourseError, SyntaxError):
+            yield from (Flaw("lesson", text, str(solution)) for text in untaught_names(solution, lessons))
+
+
+def _apply_rules(path: Path, course: Course, rules: Iterable[Rule]) -> Iterator[Flaw]:
+    page = NotebookPage(path, course.exercises)
+    # Unreadable quizzes and notebooks are reported elsewhere.
+    with suppress(CourseError):
+        yield from (Flaw("quiz", text, str(path)) for text in unknown_questions(page))
+    try:
+        for rule in rules:
+            yield from (Flaw("lesson", text, str(path)) for text in rule(page))
+    # The file is not a notebook, or a cell lacks a key.
+    except (CourseError, KeyError) as error:
+        yield Flaw("lesson", f"it can't be read as a notebook: {error}", str(path))
+
+
 NAME = re.compile(r"/?[A-Za-z]\w*(/\w+)*")
 # Minimum similarity of two names for one to count as a misspelling of the other.
 SIMILAR = 0.75
 # Topics that nodes subscribe to although their code does not contain the names.
 IMPLICIT_TOPICS = ("/tf", "/tf_static", "/clock")
 MARKER = "visualization_msgs/msg/Marker"
+
+
+def input_flaws(week: str, course: Course) -> Iterator[Flaw]:
+    """Yield the flaws in the inputs of a week's tasks: invalid messages and misspelled topics."""
+    catalog = catalog_of(course)
+    solution = course.solutions / f"{week}_solution.ipynb"
+    names = names_in(cells_of(solution)) if solution.is_file() else frozenset[str]()
+    for task in catalog.tasks_of_week(week):
+        yield from invalid_messages(task, task.scenarios, course.exercises / "checks" / f"{week}.py")
+        hidden_scenarios = catalog.hidden.get(task.id, ())
+        yield from invalid_messages(
+            replace(task, ghost=()), hidden_scenarios, course.solutions / "checks" / f"{week}.py"
+        )
+        if task.kind == "node":
+            for scenarios, top in ((task.scenarios, course.exercises), (hidden_scenarios, course.solutions)):
+                yield from misspelled_topics(task, scenarios, names, top / "checks" / f"{week}.py")
 
 
 def invalid_messages(task: Task, scenarios: Sequence[Scenario], path: Path) -> Iterator[Flaw]:

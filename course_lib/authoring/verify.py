@@ -40,23 +40,7 @@ from course_lib.authoring.rehearsal import (
     rehearse,
     with_option,
 )
-from course_lib.authoring.rules import (
-    ASPECTS,
-    FOR_ALL,
-    FOR_EXTRAS,
-    FOR_LESSONS,
-    FOR_REVIEWS,
-    WITH_EXERCISE,
-    Flaw,
-    NotebookPage,
-    Rule,
-    invalid_messages,
-    misspelled_names,
-    misspelled_topics,
-    names_in,
-    unknown_questions,
-    untaught_names,
-)
+from course_lib.authoring.rules import ASPECTS, EXTRAS, Flaw, input_flaws, misspelled_names, page_flaws
 from course_lib.course.course_file import read_course_file
 from course_lib.course.exercise import code_cells, exercise_from, notebook_text, read_notebook, source
 from course_lib.course.questions import read_questions
@@ -372,8 +356,7 @@ def _reason(path: Path, output: str, code: int) -> str:
 
 # Placeholder in the templates.
 PLACEHOLDER = "REPLACE"
-# The row of notebooks that do not belong to a week, and the aspects that are checked for it.
-EXTRAS = "extras"
+# The aspects that are checked for the extras.
 OF_EXTRAS = {"lesson", "quiz", "wrong"}
 # Aspects that cannot be checked if files of the week are missing or invalid.
 UNKNOWN = frozenset({"fields", "solution", "stub", "empty", "second", "wrong", "can fail"})
@@ -465,7 +448,7 @@ def _verify_week(week: str, course: Course, pool: Executor) -> WeekReport:
         if not tasks:
             return WeekReport(week, tuple(flaws), UNKNOWN)
         flaws_of_files = list(missing_files(week, course))
-        flaws_of_files += _check_inputs(week, course)
+        flaws_of_files += input_flaws(week, course)
         if not flaws_of_files:
             rehearsals = WeekRehearsals(week, course, pool)
             flaws += rehearsals.flaws()
@@ -473,61 +456,6 @@ def _verify_week(week: str, course: Course, pool: Executor) -> WeekReport:
     except CourseError as error:
         flaws_of_files = [Flaw("files", str(error))]
     return WeekReport(week, (*flaws_of_files, *flaws), UNKNOWN)
-
-
-def _check_inputs(week: str, course: Course) -> Iterator[Flaw]:
-    catalog = catalog_of(course)
-    solution = course.solutions / f"{week}_solution.ipynb"
-    names = names_in(cells_of(solution)) if solution.is_file() else frozenset[str]()
-    for task in catalog.tasks_of_week(week):
-        yield from invalid_messages(task, task.scenarios, course.exercises / "checks" / f"{week}.py")
-        hidden_scenarios = catalog.hidden.get(task.id, ())
-        yield from invalid_messages(
-            replace(task, ghost=()), hidden_scenarios, course.solutions / "checks" / f"{week}.py"
-        )
-        if task.kind == "node":
-            for scenarios, top in ((task.scenarios, course.exercises), (hidden_scenarios, course.solutions)):
-                yield from misspelled_topics(task, scenarios, names, top / "checks" / f"{week}.py")
-
-
-def page_flaws(week: str, course: Course) -> Iterator[Flaw]:
-    """Yield the violations of the rules in a week's notebooks, or in the extras."""
-    if week == EXTRAS:
-        for path in sorted(course.lessons.glob("extra_*.ipynb")):
-            yield from _apply_rules(path, course, [*FOR_ALL, *FOR_EXTRAS])
-        return
-    reviews = sorted(course.lessons.glob(f"{week}_your_review.ipynb"))
-    pages = sorted(set(course.lessons.glob(f"{week}_*.ipynb")) - set(reviews))
-    solution = course.solutions / f"{week}_solution.ipynb"
-    if len(pages) != 1:
-        text = f"{format_count(len(pages), 'lesson')}, expected one"
-        yield Flaw("lesson", text, str(course.lessons / f"{week}_*.ipynb"))
-    for path in pages:
-        rules = [*FOR_ALL, *FOR_LESSONS, *(WITH_EXERCISE if solution.is_file() else ())]
-        yield from _apply_rules(path, course, rules)
-    for path in reviews:
-        yield from _apply_rules(path, course, [*FOR_ALL, *FOR_REVIEWS])
-    for path in (solution, course.exercises / f"{week}_exercise.ipynb"):
-        if path.is_file():
-            yield from _apply_rules(path, course, FOR_ALL)
-    if solution.is_file():
-        lessons = [path for path in sorted(course.lessons.glob("week*.ipynb")) if path.name[:6] <= week]
-        # The rules report unreadable notebooks and syntax errors.
-        with suppress(CourseError, SyntaxError):
-            yield from (Flaw("lesson", text, str(solution)) for text in untaught_names(solution, lessons))
-
-
-def _apply_rules(path: Path, course: Course, rules: Iterable[Rule]) -> Iterator[Flaw]:
-    page = NotebookPage(path, course.exercises)
-    # Unreadable quizzes and notebooks are reported elsewhere.
-    with suppress(CourseError):
-        yield from (Flaw("quiz", text, str(path)) for text in unknown_questions(page))
-    try:
-        for rule in rules:
-            yield from (Flaw("lesson", text, str(path)) for text in rule(page))
-    # The file is not a notebook, or a cell lacks a key.
-    except (CourseError, KeyError) as error:
-        yield Flaw("lesson", f"it can't be read as a notebook: {error}", str(path))
 
 
 def _check_quizzes(week: str, course: Course) -> Iterator[Flaw]:

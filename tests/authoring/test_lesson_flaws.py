@@ -2,7 +2,7 @@
 
 import pytest
 
-from course_lib.authoring.verify import page_flaws
+from course_lib.authoring.rules import page_flaws
 from course_lib.grading.store import Course
 from tests.authoring.conftest import Break
 

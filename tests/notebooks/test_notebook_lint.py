@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from course_lib.authoring.rules import code_of, names_in_answers
-from course_lib.authoring.verify import page_flaws, weeks_of
+from course_lib.authoring.rules import code_of, names_in_answers, page_flaws
+from course_lib.authoring.verify import weeks_of
 from course_lib.course.exercise import read_notebook, source
 from course_lib.course.questions import load_quiz
 from course_lib.course.state import exercises_dir, lessons_dir, solutions_dir
