@@ -7,26 +7,17 @@ import shutil
 import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from course_lib.errors import CourseError
 from course_lib.export.module import (
     Main,
     NodeModule,
-    Statement,
-    collect_needed_statements,
     dependencies,
-    display_classes,
-    frames,
     imported_modules,
-    node_classes,
-    node_name,
-    obstacles,
-    parameters,
+    node_modules,
     parameters_text,
-    read_cells,
-    statements,
 )
 from course_lib.files import draft_folder
 from course_lib.host import user_name
@@ -92,7 +83,7 @@ def export(
     check_package_name(package)
     if (out / package).exists() and not force:
         raise CourseError(f"{out / package} already exists. Use --force to overwrite the exported files.")
-    modules, only_code = _modules(file, nodes)
+    modules, only_code = node_modules(file, nodes)
     files = {path: text.encode() for path, text in _file_texts(file, package, modules, extra).items()}
     for one in extra:
         if one.suffix not in _FOLDERS or not one.is_file():
@@ -104,54 +95,6 @@ def export(
         places = [f"{m.name}.py" for m in modules if any(name in part.bindings for part in m.statements)]
         notes.append(f"{name} is not an executable, because it {why}. Its code is in {', '.join(places)}.")
     return ExportedPackage(out / package, tuple(out / package / path for path in sorted(files)), tuple(notes))
-
-
-def _modules(file: Path, nodes: Sequence[str]) -> tuple[list[NodeModule], dict[str, str]]:
-    """Return the modules, and the reason for each class that is not an executable."""
-    code = statements(read_cells(file))
-    if any(one.cell.is_marked for one in code):
-        exported, left_out = [s for s in code if s.cell.is_marked], [s for s in code if not s.cell.is_marked]
-    else:
-        exported, left_out = code, []
-    roots = node_classes(exported, nodes)
-    modules = [_module(root, roots, exported, left_out) for root in roots]
-    reasons_by_class = {
-        m.class_name: why for m in modules if (why := obstacles(m, modules, exported, named=bool(nodes)))
-    }
-    started = [module for module in modules if module.class_name not in reasons_by_class]
-    if not started or (reasons_by_class and nodes):
-        reasons = "; ".join(f"{name}() {why}" for name, why in reasons_by_class.items())
-        raise CourseError(
-            f"No class can be started by itself: {reasons}. Give defaults, or make them parameters: "
-            "self.declare_parameter(…)."
-        )
-    bindings = {one for module in started for part in module.statements for one in part.bindings}
-    helper_modules = [
-        replace(m, main=Main.NONE) for m in modules if m.class_name in reasons_by_class.keys() - bindings
-    ]
-    for name, count in Counter(module.name for module in [*started, *helper_modules]).items():
-        if count > 1:
-            raise CourseError(f"{count} classes would become the module {name}.py. Rename all but one.")
-    return [*started, *helper_modules], reasons_by_class
-
-
-def _module(
-    root: Statement,
-    roots: Sequence[Statement],
-    exported: Sequence[Statement],
-    left_out: Sequence[Statement],
-) -> NodeModule:
-    assert isinstance(root.node, ast.ClassDef)
-    parts = collect_needed_statements(root, exported, left_out)
-    classes = frozenset().union(*(one.bindings for one in roots))
-    main = next(
-        (s for s in reversed(exported) if "main" in s.bindings and s.later & classes == root.bindings), None
-    )
-    if main is None:
-        return NodeModule(root.node, parts, Main.MADE)
-    of_main = collect_needed_statements(main, exported, left_out)
-    parts = sorted({one.order: one for one in (*parts, *of_main)}.values(), key=lambda one: one.order)
-    return NodeModule(root.node, parts, Main.OWN)
 
 
 def _file_texts(
@@ -194,16 +137,16 @@ def _launch_files(
         given: The names of the extra files by folder.
     """
     files: dict[str, str] = {}
-    values = {name: found for m in modules if (name := node_name(m.node)) and (found := parameters(m.node))}
+    values = {name: found for m in modules if (name := m.node_name) and (found := m.parameters())}
     config = given.get("config", f"{package}.yaml" if values else "")
     layout = given.get("rviz", f"{package}.rviz")
     if values and "config" not in given:
         files[f"config/{config}"] = parameters_text(values)
     if "rviz" not in given:
         displays_by_topic = {
-            topic: kind for module in modules for topic, kind in display_classes(module.node).items()
+            topic: kind for module in modules for topic, kind in module.display_classes().items()
         }
-        frame_counts = Counter(frame for module in modules for frame in frames(module.node))
+        frame_counts = Counter(frame for module in modules for frame in module.frames())
         fixed_frame = frame_counts.most_common(1)[0][0] if frame_counts else "map"
         files[f"rviz/{layout}"] = fill_template(
             "layout.rviz", fixed_frame=fixed_frame, displays=displays_by_topic

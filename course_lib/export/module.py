@@ -7,9 +7,9 @@ import re
 import symtable
 import sys
 import tokenize
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from pathlib import Path
 from typing import Any
@@ -260,6 +260,20 @@ def dependencies(imported: Iterable[str], package: str) -> tuple[list[str], list
     return sorted(ros), sorted(_ROSDEP.get(name, f"python3-{name.lower()}") for name in third_party - ros)
 
 
+# RViz's display class by message type.
+_DISPLAYS = {
+    "Image": "Image",
+    "LaserScan": "LaserScan",
+    "Marker": "Marker",
+    "MarkerArray": "MarkerArray",
+    "Odometry": "Odometry",
+    "Path": "Path",
+    "PointCloud2": "PointCloud2",
+    "PoseArray": "PoseArray",
+    "PoseStamped": "Pose",
+}
+
+
 class Main(Enum):
     """The origin of a module's function `main`."""
 
@@ -309,6 +323,78 @@ class NodeModule:
             was_block = is_block
         return text if self.main is Main.NONE else text + "\n\nif __name__ == '__main__':\n    main()\n"
 
+    @property
+    def node_name(self) -> str | None:
+        """The name in `super().__init__("name")`, if it is a literal."""
+        calls = (call for call in self._calls("__init__") if call.args)
+        return next((text for call in calls if isinstance(text := _literal(call.args[0]), str)), None)
+
+    def parameters(self) -> dict[str, Any]:
+        """Return the parameters that the class declares with a literal default."""
+        values = {}
+        for call in self._calls("declare_parameter"):
+            default = call.args[1] if len(call.args) > 1 else None
+            value = None if default is None else _literal(default)
+            if call.args and isinstance(name := _literal(call.args[0]), str) and value not in (None, []):
+                values[name] = value
+        return values
+
+    def display_classes(self) -> dict[str, str]:
+        """Return RViz's display class for each topic that the class publishes, if RViz has one."""
+        class_names = {}
+        for call in self._calls("create_publisher"):
+            if len(call.args) > 1 and isinstance(topic := _literal(call.args[1]), str):
+                kind = call.args[0]
+                name = kind.attr if isinstance(kind, ast.Attribute) else getattr(kind, "id", "")
+                if name in _DISPLAYS:
+                    class_names[topic if topic.startswith("/") else f"/{topic}"] = _DISPLAYS[name]
+        return class_names
+
+    def frames(self) -> list[str]:
+        """Return the frames that the class assigns to `frame_id`."""
+        return [
+            value
+            for one in ast.walk(self.node)
+            if isinstance(one, ast.Assign) and isinstance(value := _literal(one.value), str)
+            if any(isinstance(target, ast.Attribute) and target.attr == "frame_id" for target in one.targets)
+        ]
+
+    def obstacle(self, modules: Sequence["NodeModule"], code: Sequence[Statement], *, named: bool) -> str:
+        """Return why the class cannot become an executable, like "needs name", or "" if it can.
+
+        Args:
+            modules: All classes that may become executables.
+            code: The exported statements, in which base classes are looked up.
+            named: Whether the user chose the class by name. Then it may be a base of other classes.
+        """
+        if self.main is Main.OWN:
+            return ""
+        classes = {one.node.name: one.node for one in code if isinstance(one.node, ast.ClassDef)}
+        heirs = [other.class_name for other in modules if self.class_name in _direct_bases(other.node)]
+        if heirs and not named:
+            return f"is the base of {', '.join(heirs)}"
+        constructors = (
+            item
+            for one in _family(self.node, classes)
+            for item in one.body
+            if isinstance(item, ast.FunctionDef) and item.name == "__init__"
+        )
+        free = next(map(_required_arguments, constructors), [])
+        if free:
+            return f"needs {', '.join(free)}"
+        methods = (item for item in self.node.body if isinstance(item, ast.FunctionDef))
+        abstract = [
+            method.name
+            for method in methods
+            if any(ast.unparse(one).endswith("abstractmethod") for one in method.decorator_list)
+        ]
+        return f"leaves {', '.join(abstract)} abstract" if abstract else ""
+
+    def _calls(self, method: str) -> Iterator[ast.Call]:
+        for one in ast.walk(self.node):
+            if isinstance(one, ast.Call) and getattr(one.func, "attr", "") == method:
+                yield one
+
 
 def _sort_imports(imports: set[str]) -> str:
     """Sort imports by name as ament_flake8 expects, the standard library first."""
@@ -337,20 +423,75 @@ def _tidy(text: str) -> str:
     return re.sub(r'^(\s+"""[^"\n]*[^"\n.!?:\s])\s*"""$', r'\1."""', text, flags=re.MULTILINE)
 
 
+def node_modules(file: Path, nodes: Sequence[str]) -> tuple[list[NodeModule], dict[str, str]]:
+    """Return the modules of a file's nodes, and why each other class is not an executable.
+
+    Args:
+        file: A .py file or a notebook.
+        nodes: The classes to export; empty for all node classes.
+
+    Raises:
+        CourseError: The code is invalid, or no class can be started.
+    """
+    code = statements(read_cells(file))
+    if any(one.cell.is_marked for one in code):
+        exported, left_out = [s for s in code if s.cell.is_marked], [s for s in code if not s.cell.is_marked]
+    else:
+        exported, left_out = code, []
+    roots = node_classes(exported, nodes)
+    modules = [_module(root, roots, exported, left_out) for root in roots]
+    reasons_by_class = {
+        m.class_name: why for m in modules if (why := m.obstacle(modules, exported, named=bool(nodes)))
+    }
+    started = [module for module in modules if module.class_name not in reasons_by_class]
+    if not started or (reasons_by_class and nodes):
+        reasons = "; ".join(f"{name}() {why}" for name, why in reasons_by_class.items())
+        raise CourseError(
+            f"No class can be started by itself: {reasons}. Give defaults, or make them parameters: "
+            "self.declare_parameter(…)."
+        )
+    bindings = {one for module in started for part in module.statements for one in part.bindings}
+    helper_modules = [
+        replace(m, main=Main.NONE) for m in modules if m.class_name in reasons_by_class.keys() - bindings
+    ]
+    for name, count in Counter(module.name for module in [*started, *helper_modules]).items():
+        if count > 1:
+            raise CourseError(f"{count} classes would become the module {name}.py. Rename all but one.")
+    return [*started, *helper_modules], reasons_by_class
+
+
+def _module(
+    root: Statement,
+    roots: Sequence[Statement],
+    exported: Sequence[Statement],
+    left_out: Sequence[Statement],
+) -> NodeModule:
+    assert isinstance(root.node, ast.ClassDef)
+    parts = collect_needed_statements(root, exported, left_out)
+    classes = frozenset().union(*(one.bindings for one in roots))
+    main = next(
+        (s for s in reversed(exported) if "main" in s.bindings and s.later & classes == root.bindings), None
+    )
+    if main is None:
+        return NodeModule(root.node, parts, Main.MADE)
+    of_main = collect_needed_statements(main, exported, left_out)
+    parts = sorted({one.order: one for one in (*parts, *of_main)}.values(), key=lambda one: one.order)
+    return NodeModule(root.node, parts, Main.OWN)
+
+
+def parameters_text(by_node: Mapping[str, Mapping[str, Any]]) -> str:
+    """Format parameters as YAML for `--params-file`."""
+    import json
+
+    lines = []
+    for name, values in by_node.items():
+        lines += [f"{name}:", "  ros__parameters:"]
+        lines += [f"    {key}: {json.dumps(value, ensure_ascii=False)}" for key, value in values.items()]
+    return "\n".join(lines) + "\n"
+
+
 _ALWAYS_THERE = {*dir(builtins), "__name__", "__file__", "__doc__", "__class__"}
 _REGISTERING = ("import tf2_geometry_msgs", "import tf2_sensor_msgs")
-# RViz's display class by message type.
-_DISPLAYS = {
-    "Image": "Image",
-    "LaserScan": "LaserScan",
-    "Marker": "Marker",
-    "MarkerArray": "MarkerArray",
-    "Odometry": "Odometry",
-    "Path": "Path",
-    "PointCloud2": "PointCloud2",
-    "PoseArray": "PoseArray",
-    "PoseStamped": "Pose",
-}
 
 
 def node_classes(code: Sequence[Statement], names: Sequence[str]) -> list[Statement]:
@@ -433,104 +574,6 @@ def _find_binding(
     raise CourseError(f"{usage}, which is not defined. Define or import it in a cell that is exported.")
 
 
-def node_name(node: ast.ClassDef) -> str | None:
-    """Return the name in `super().__init__("name")`, if it is a literal."""
-    calls = (call for call in _calls(node, "__init__") if call.args)
-    return next((text for call in calls if isinstance(text := _literal(call.args[0]), str)), None)
-
-
-def parameters(node: ast.ClassDef) -> dict[str, Any]:
-    """Return the parameters that a class declares with a literal default."""
-    values = {}
-    for call in _calls(node, "declare_parameter"):
-        default = call.args[1] if len(call.args) > 1 else None
-        value = None if default is None else _literal(default)
-        if call.args and isinstance(name := _literal(call.args[0]), str) and value not in (None, []):
-            values[name] = value
-    return values
-
-
-def display_classes(node: ast.ClassDef) -> dict[str, str]:
-    """Return RViz's display class for each topic that a class publishes, if RViz has one."""
-    class_names = {}
-    for call in _calls(node, "create_publisher"):
-        if len(call.args) > 1 and isinstance(topic := _literal(call.args[1]), str):
-            kind = call.args[0]
-            name = kind.attr if isinstance(kind, ast.Attribute) else getattr(kind, "id", "")
-            if name in _DISPLAYS:
-                class_names[topic if topic.startswith("/") else f"/{topic}"] = _DISPLAYS[name]
-    return class_names
-
-
-def frames(node: ast.ClassDef) -> list[str]:
-    """Return the frames that a class assigns to `frame_id`."""
-    return [
-        value
-        for one in ast.walk(node)
-        if isinstance(one, ast.Assign) and isinstance(value := _literal(one.value), str)
-        if any(isinstance(target, ast.Attribute) and target.attr == "frame_id" for target in one.targets)
-    ]
-
-
-def parameters_text(by_node: Mapping[str, Mapping[str, Any]]) -> str:
-    """Format parameters as YAML for `--params-file`."""
-    import json
-
-    lines = []
-    for name, values in by_node.items():
-        lines += [f"{name}:", "  ros__parameters:"]
-        lines += [f"    {key}: {json.dumps(value, ensure_ascii=False)}" for key, value in values.items()]
-    return "\n".join(lines) + "\n"
-
-
-def _calls(node: ast.AST, method: str) -> Iterator[ast.Call]:
-    for one in ast.walk(node):
-        if isinstance(one, ast.Call) and isinstance(one.func, ast.Attribute) and one.func.attr == method:
-            yield one
-
-
-def _literal(node: ast.expr) -> Any:
-    try:
-        return ast.literal_eval(node)
-    except ValueError:
-        return None
-
-
-def obstacles(
-    module: NodeModule, modules: Sequence[NodeModule], code: Sequence[Statement], *, named: bool
-) -> str:
-    """Return why a class cannot become an executable, like "needs name", or "" if it can.
-
-    Args:
-        module: The class.
-        modules: All classes that may become executables.
-        code: The exported statements, in which base classes are looked up.
-        named: Whether the user chose the class by name. Then it may be a base of other classes.
-    """
-    if module.main is Main.OWN:
-        return ""
-    classes = {one.node.name: one.node for one in code if isinstance(one.node, ast.ClassDef)}
-    heirs = [other.class_name for other in modules if module.class_name in _direct_bases(other.node)]
-    if heirs and not named:
-        return f"is the base of {', '.join(heirs)}"
-    constructors = (
-        item
-        for one in _family(module.node, classes)
-        for item in one.body
-        if isinstance(item, ast.FunctionDef) and item.name == "__init__"
-    )
-    free = next(map(_required_arguments, constructors), [])
-    if free:
-        return f"needs {', '.join(free)}"
-    methods = (item for item in module.node.body if isinstance(item, ast.FunctionDef))
-    abstract = [
-        method.name
-        for method in methods
-        if any(ast.unparse(one).endswith("abstractmethod") for one in method.decorator_list)
-    ]
-    return f"leaves {', '.join(abstract)} abstract" if abstract else ""
-
-
 def _direct_bases(node: ast.ClassDef) -> list[str]:
     return [base.id for base in node.bases if isinstance(base, ast.Name) and base.id != node.name]
 
@@ -553,3 +596,10 @@ def _required_arguments(function: ast.FunctionDef) -> list[str]:
     free = positional[: len(positional) - len(arguments.defaults)]
     pairs = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
     return [one.arg for one in (*free, *(one for one, default in pairs if default is None))]
+
+
+def _literal(node: ast.expr) -> Any:
+    try:
+        return ast.literal_eval(node)
+    except ValueError:
+        return None
