@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import PointCloud2, PointField
 from std_msgs.msg import Header
 
-from ros2_numpy.registry import converts_from_numpy, converts_to_numpy
+from ros2_numpy.conversions import converts_from_numpy, converts_to_numpy
 
 _DATATYPES = {
     np.dtype(name): getattr(PointField, name.upper())
