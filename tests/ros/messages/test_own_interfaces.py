@@ -63,6 +63,15 @@ def test_custom_messages_services_and_actions_can_be_imported_and_sent(folder: P
     assert importlib.import_module(f"{folder.name}.action").Go.Feedback(limit=limit).limit is limit
 
 
+@pytest.mark.parametrize("other", ["cmake/my_msgs-extras.cmake", "launch/bringup.launch", "cfg/Tuning.cfg"])
+def test_only_files_in_msg_srv_and_action_are_interfaces(folder: Path, other: str) -> None:
+    write(folder, Range_msg="float64 width")
+    file = folder / other
+    file.parent.mkdir()
+    file.write_text("set(a b)")
+    assert importlib.import_module(f"{folder.name}.msg").Range(width=2.0).width == 2.0
+
+
 @pytest.mark.parametrize(
     ("line", "default"),
     [
