@@ -3,6 +3,7 @@
 import array
 import io
 import math
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -153,6 +154,8 @@ def read_map(path: Path) -> OccupancyGrid:
         MapImageError: The image is missing or malformed.
     """
     settings = read_settings(path)
+    if not os.path.exists(settings.image):
+        raise MapImageError(_describe_missing_image(path, settings.image))
     gray, is_opaque = _read_image(settings.image)
     cells = _cells(settings, gray, is_opaque)
     grid = OccupancyGrid()
@@ -165,6 +168,16 @@ def read_map(path: Path) -> OccupancyGrid:
     # The first row of a grid is the lowest one.
     grid.data = array.array("b", cells[::-1].tobytes())
     return grid
+
+
+def _describe_missing_image(path: Path, image: Path) -> str:
+    """Return the error for a map whose image does not exist, with an image of this name next to the map."""
+    text = f"{path}: image: {image} does not exist."
+    beside = path.with_name(image.name)
+    # The file was written on another computer, with the path of the image there.
+    if os.path.isfile(beside):
+        return f"{text} It is next to {path.name}: write image: {image.name}"
+    return f"{text} Write the name of an image next to {path.name}."
 
 
 def _read_image(path: Path) -> tuple[np.ndarray, np.ndarray]:

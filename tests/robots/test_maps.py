@@ -94,19 +94,30 @@ def test_malformed_map_yaml_is_rejected_with_its_key(
     assert str(caught.value).startswith(f"{file}: {text}")
 
 
-@pytest.mark.parametrize("content", [None, b"", b"P5\n3 2\n255\n\xff", b"P5 -1 9 255\n", b"P6", b"not a map"])
-def test_missing_or_malformed_map_image_is_rejected_with_its_path(
-    write: Callable[..., Path], content: bytes | None
-) -> None:
+@pytest.mark.parametrize("content", [b"", b"P5\n3 2\n255\n\xff", b"P5 -1 9 255\n", b"P6", b"not a map"])
+def test_malformed_map_image_is_rejected_with_its_path(write: Callable[..., Path], content: bytes) -> None:
     file = write()
     image = file.with_name("hall.pgm")
-    if content is None:
-        image.unlink()
-    else:
-        image.write_bytes(content)
+    image.write_bytes(content)
     with pytest.raises(MapImageError) as caught:
         read_map(file)
     assert str(caught.value).startswith(f"{image}: not an image of a map: ")
+
+
+@pytest.mark.parametrize(
+    ("name", "advice"),
+    [
+        ("/home/ann/maps/hall.pgm", "It is next to hall.yaml: write image: hall.pgm"),
+        ("room.pgm", "Write the name of an image next to hall.yaml."),
+    ],
+)
+def test_missing_map_image_is_rejected_with_the_image_next_to_the_map(
+    write: Callable[..., Path], name: str, advice: str
+) -> None:
+    file = write(image=name)
+    with pytest.raises(MapImageError) as caught:
+        read_map(file)
+    assert str(caught.value) == f"{file}: image: {file.parent / name} does not exist. {advice}"
 
 
 @pytest.mark.parametrize("mode", ["trinary", "scale", "raw"])
