@@ -247,7 +247,7 @@ def test_missing_environment_variable_gets_the_commands_that_set_it(
 
 @pytest.mark.parametrize(
     ("module", "name"),
-    [("cv2", "opencv-python-headless"), ("serial", "pyserial"), ("ntplib", "ntplib")],
+    [("cv2", "opencv-python-headless"), ("serial", "pyserial"), ("ntplib", "ntplib"), ("lxml", "lxml")],
 )
 def test_missing_module_of_pip_gets_the_command_that_installs_it(module: str, name: str) -> None:
     error = ModuleNotFoundError(f"No module named '{module}'", name=module)
@@ -264,6 +264,8 @@ def test_missing_module_of_pip_gets_the_command_that_installs_it(module: str, na
         ),
         ("nav_2d_msgs.msg", "copy the package's folder from https://github.com/ros-navigation/navigation2"),
         ("nav_2d_msgs", "copy the package's folder from https://github.com/ros-navigation/navigation2"),
+        ("webots_spot_msgs.msg", "put the folder webots_spot_msgs with its msg"),
+        ("zed_interfaces.msg", "put the folder zed_interfaces with its msg"),
         ("py_trees_ros.trees", "py_trees itself runs, after pip install py-trees"),
         ("inputs", "pip install inputs"),
     ],
