@@ -157,6 +157,8 @@ DEEP = f"<launch>{'<group>' * 60}{'</group>' * 60}</launch>"
          "line 3: <nod>: there is no such element. Did you mean node?"),
         ("x.launch.xml", f"<launch>\n{TALKER} nmae='a'/></launch>",
          "line 2: <node>: unexpected attribute 'nmae'. Did you mean name? It has: "),
+        ("x.launch.xml", "<launch>\n<arg name='a' doc='b'/></launch>",
+         "line 2: <arg>: unexpected attribute 'doc'. This is a file of ROS 1: in ROS 2 it is description."),
         ("x.launch.xml", f"<launch>\n{TALKER}>\n<arg name='a'/></node></launch>",
          "line 3: <arg>: it is not expected in <node>."),
         ("x.launch.xml", "<launch>\n<node pkg='a' type='b'/></launch>",

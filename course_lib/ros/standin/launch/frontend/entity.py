@@ -188,6 +188,8 @@ def _fits(value: object, kind: type | None) -> bool:
 def _unexpected(kind: str, name: str, known_names: Sequence[str]) -> str:
     if name == "ns":
         return f"unexpected {kind} 'ns'. In ROS 2 write <push-ros-namespace namespace=\"…\"/> in a group"
+    if name == "doc" and "description" in known_names:
+        return f"unexpected {kind} 'doc'. This is a file of ROS 1: in ROS 2 it is description"
     there = f" It has: {', '.join(sorted(known_names))}." if known_names else ""
     return f"unexpected {kind} '{name}'{did_you_mean(name, known_names) or '.'}{there}"
 
