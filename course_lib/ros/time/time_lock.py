@@ -537,11 +537,12 @@ class TimeLock:
 
         is_reported = False
         for ident, thread in list(self._threads.items()):
-            if thread is self._holder and thread.wait is None and not is_importing(ident):
+            is_busy = thread is self._holder and thread.wait is None and not is_importing(ident)
+            # On a busy machine the kit's own nodes may take seconds to load a robot or a map.
+            if is_busy and (line := line_of_thread(ident)):
                 is_reported = True
-                line = line_of_thread(ident)
                 say(
-                    f'Thread "{thread.name}" has been running without a pause{line and f" ({line})"}. '
+                    f'Thread "{thread.name}" has been running without a pause ({line}). '
                     "Here one thread runs at a time, so the rest of the program waits for it: put "
                     "time.sleep(0.01) into its loop. Ctrl+C or ■ ends the program."
                 )
