@@ -123,7 +123,9 @@ class Variant:
         if bool(self.miss) == bool(self.way):
             raise CourseError("expected either miss (a wrong answer) or way (a right one)")
         if self.miss and not (self.says or self.raises):
-            raise CourseError(f"{self.miss!r}: expected says, a pattern for the message of a public check")
+            raise CourseError(
+                f"{self.miss!r}: expected the key says with a pattern for the message of a public check"
+            )
         try:
             re.compile(self.says)
         except re.error as error:
@@ -338,7 +340,9 @@ def _check_wrong_answer(
     elif not re.search(variant.says, failure_text(result)):
         reported = failure_text(result).splitlines()[:1] or ["all public checks pass"]
         yield Flaw(
-            "wrong", f"{name}: expected a message with {variant.says!r}, the checks say: {reported[0]}", place
+            "wrong",
+            f"{name}: expected a message with {variant.says!r}, the checks report: {reported[0]}",
+            place,
         )
     elif variant.hint:
         first_hint, *_ = Advice().hint(task, result)
@@ -390,7 +394,7 @@ def _check_mutant(operator: Operator, name: str, path: Path, result: TaskResult)
         yield Flaw("wrong", f"{name}: {', '.join(missed)}. {also}", str(path))
     elif not re.search(operator.names, failure_text(result)):
         reported = failure_text(result).splitlines()[0]
-        yield Flaw("wrong", f"{name}: expected {operator.names!r}, the checks say: {reported}", str(path))
+        yield Flaw("wrong", f"{name}: expected {operator.names!r}, the checks report: {reported}", str(path))
 
 
 # Replacement fields of an f-string.

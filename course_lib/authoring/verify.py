@@ -229,7 +229,7 @@ class WeekRehearsals:
                 text = f"{result.task}: {name}: {outcome}, expected failing public and hidden checks"
                 yield Flaw("wrong", text, place)
             elif says not in failure_text(result):
-                text = f"{result.task}: {name}: expected a message with {says!r}, the checks say: "
+                text = f"{result.task}: {name}: expected a message with {says!r}, the checks report: "
                 yield Flaw("wrong", text + failure_text(result).splitlines()[0], place)
 
     def _check_edits(

@@ -118,7 +118,7 @@ class WeekSettings:
         if twice := sorted(self.points.keys() & self.bonus.keys()):
             raise CourseError(f"bonus: {', '.join(twice)} is in points and in bonus")
         for student, when in self.extensions.items():
-            # Often a wrong year or month, which would make everything of this student late.
+            # The year or month is often wrong, which would make all work of this student late.
             if self.deadline is not None and when < self.deadline:
                 raise CourseError(
                     f"extensions: {student}: {when.isoformat()} is before the week's deadline, "

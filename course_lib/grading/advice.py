@@ -324,7 +324,7 @@ def _missing_call(code: Code, result: TaskResult) -> str:
     if not code.calls("publish") and not code.calls("sendTransform"):
         return "Your code never calls publish(): `self.publisher.publish(message)` sends a message."
     if not code.calls("create_timer") and not code.calls("create_subscription"):
-        return "Nothing calls your method: in __init__, make a timer or a subscription that does."
+        return "Nothing calls your method: in __init__, create a timer or a subscription that does."
     return ""
 
 
@@ -407,9 +407,7 @@ def missing_return_hint(task: Task, evidence: Iterable[Evidence], source: str = 
             if method in IN_PLACE:
                 return [f"{task.name} returned None: {method}() changes its object, and returns nothing."]
         if any(returned):
-            return [
-                f"{task.name} returned None: does each way through it end with a return, and with a value?"
-            ]
+            return [f"{task.name} returned None: does each path through it end with a return and a value?"]
         return [f"{task.name} returned None: is there a return?"]
     return []
 

@@ -277,7 +277,7 @@ class Origin:
 
     check_function: str
     arguments: Mapping[str, Any]
-    place: str  # "exercises/checks/week01.py line 12"
+    place: str  # like "exercises/checks/week01.py line 12"
 
 
 @dataclass(frozen=True)

@@ -128,13 +128,13 @@ def _odd_parameter_callbacks(cls: ast.ClassDef) -> Iterator[str]:
             ) if name in methods:
                 if isinstance(methods[name], ast.AsyncFunctionDef):
                     yield (
-                        f"async makes {name} return a coroutine, for which ROS rejects each value: "
-                        "leave async out."
+                        f"async makes {name} return a coroutine instead of a result, so ROS rejects "
+                        "each value: leave async out."
                     )
                 elif _may_end_without_return(methods[name].body):
                     yield (
-                        f"{name} may end without return, and ROS rejects each value for which it "
-                        f"returns nothing: end it with {result}."
+                        f"{name} may end without return, and then ROS rejects the value: end it "
+                        f"with {result}."
                     )
 
 
@@ -255,7 +255,7 @@ def _misspelled_attributes(cls: ast.ClassDef) -> Iterator[str]:
         if similar:
             yield (
                 f"self.{name} is set and never read, and self.{similar[0]} is read and never set "
-                "outside of __init__: are they meant to be one?"
+                "outside of __init__: should both be the same attribute?"
             )
 
 
@@ -354,7 +354,7 @@ def _repeated_timers(cls: ast.ClassDef) -> Iterator[str]:
                 callbacks[ast.unparse(callback)] += 1
     for name, count in callbacks.items():
         if count > 1 and "destroy_timer" not in ast.unparse(cls):
-            yield f"{count} timers call {name}, so that it runs {count} times: leave one of them."
+            yield f"{count} timers call {name}, so that it runs {count} times: keep one of them."
 
 
 _ENDINGS = {

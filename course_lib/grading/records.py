@@ -76,7 +76,7 @@ class ReceiptTime:
         return self.time is not None and self.source != RECEIPT_TIME
 
     def days_late(self, deadline: datetime | None, policy: LatePolicy) -> int:
-        """Return the started days after the deadline; 1 if the platform marks it as late without a time."""
+        """Return the started days after the deadline; 1 if the platform only marks it as late."""
         if deadline is None:
             return 0
         if self.time is None:

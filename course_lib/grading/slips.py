@@ -98,7 +98,7 @@ def _idle_statements(block: Sequence[ast.stmt]) -> Iterator[str]:
             case ast.Expr(value=ast.BinOp() | ast.Subscript()):
                 yield (f"{quote(statement)} computes a value that is not used: write a name and = before it.")
             case ast.Expr(value=ast.Attribute() as named):
-                yield f"{quote(statement)} names {named.attr} and does not call it: write ( ) after it."
+                yield f"{quote(statement)} does not call {named.attr}: write ( ) after it."
             case ast.Expr(
                 value=ast.Call(func=ast.Name(id=name) | ast.Attribute(value=ast.Name(), attr=name))
             ) if name in _PURE:
@@ -486,7 +486,7 @@ def _idle_lambdas(function: Function) -> Iterator[str]:
                 for one in args:
                     if isinstance(one, ast.Lambda) and isinstance(one.body, ast.Attribute):
                         name = ast.unparse(one.body)
-                        yield f"{quote(one)} names {one.body.attr} and does not call it: pass {name} alone."
+                        yield f"{quote(one)} does not call {one.body.attr}: pass {name} alone."
 
 
 def _other_files(function: Function) -> Iterator[str]:
@@ -601,7 +601,7 @@ def _constant_conditions(function: Function) -> Iterator[str]:
             ]:
                 other = ast.unparse(fixed[0])
                 yield (
-                    f"{quote(node)} is always true, because {other} alone is: compare it, too, "
+                    f"{quote(node)} is always true, because {other} alone is true: compare it as well, "
                     f"{ast.unparse(first.left)} == {other}."
                 )
             case ast.BoolOp(op=operator, values=[ast.Compare() as first, ast.Compare() as second]):
@@ -611,13 +611,13 @@ def _constant_conditions(function: Function) -> Iterator[str]:
                 (low, high), (other_low, other_high) = limits  # type: ignore[misc]  # None was excluded
                 if isinstance(operator, ast.And) and max(low, other_low) > min(high, other_high):
                     subject = ast.unparse(first.left)
-                    yield f"{quote(node)} is never true: {subject} cannot be both. Is or meant?"
+                    yield f'{quote(node)} is never true: {subject} cannot be both. Do you mean "or"?'
                 if (
                     isinstance(operator, ast.Or)
                     and min(low, other_low) == -math.inf
                     and (max(high, other_high) == math.inf and max(low, other_low) <= min(high, other_high))
                 ):
-                    yield f"{quote(node)} is true for every number. Is and meant?"
+                    yield f'{quote(node)} is true for every number. Do you mean "and"?'
             case ast.Compare(
                 left=low, ops=[ast.Lt() | ast.LtE(), ast.Lt() | ast.LtE()], comparators=[_, high]
             ) if _number(low) > _number(high):

@@ -192,7 +192,7 @@ def _check_disk(folder: Path) -> None:
     if free < NEEDED_BYTES:
         raise CourseError(
             f"The disk of {disk} has {free // 10**6} MB free, and the real ROS 2 needs "
-            f"{NEEDED_BYTES // 10**6} MB. Remove files there, or let XDG_DATA_HOME name a folder "
+            f"{NEEDED_BYTES // 10**6} MB. Remove files there, or set XDG_DATA_HOME to a folder "
             "on another disk."
         )
 

@@ -91,7 +91,7 @@ def _vector_of(rotation: Matrix) -> Floats:
 
 
 def twist_jacobian(twist: Floats) -> Matrix:
-    """Return the derivative of a motion's twist by a small twist applied before the motion, shape (6, 6).
+    """Return the derivative of a motion's twist with respect to a small prior twist, shape (6, 6).
 
     It is the inverse of the left Jacobian of SE(3), as a polynomial of the twist's adjoint.
     """

@@ -598,8 +598,8 @@ def import_pinocchio(package: str) -> Any:
             ) from error
         raise CourseError(
             "Pinocchio's models, for dynamics and collisions, need the package pin, and "
-            f"{error.name} is missing on this machine ({sys.platform}). On Windows it comes with "
-            "WSL2 or conda-forge (pinocchio); elsewhere run pip install -e . again. Everything "
+            f"{error.name} is missing on this machine ({sys.platform}). On Windows it is available "
+            "in WSL2 or from conda-forge (pinocchio); elsewhere run pip install -e . again. Everything "
             "else works without it."
         ) from error
 

@@ -144,7 +144,7 @@ def _field_hint(types: Sequence[str], attribute: str, line: str) -> str:
     show = f"`%ros2 interface show {types[0]}` lists its fields."
     if near_names.is_angle(attribute) and {"x", "y", "z", "w"} <= set(names):
         turn = "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`"
-        back = "back it is `yaw = 2 * atan2(q.z, q.w)`"
+        back = "the inverse is `yaw = 2 * atan2(q.z, q.w)`"
         return f"a quaternion does not contain an angle: a rotation by yaw about z is {turn}, and {back}."
     lists = [f.name for one in definitions for f in one.fields if f.container != "scalar"]
     if attribute in dir(list) and len(lists) == 1:
@@ -168,7 +168,7 @@ def _field_hint(types: Sequence[str], attribute: str, line: str) -> str:
     ]
     exact = [path for path in inner if path.endswith(f".{attribute}")]
     similar = next(iter([*exact, *direct, *inner]), "") or near_names.near_field(attribute, names)
-    # In `pose.position`, where pose is a PoseStamped, the path `pose.position` is no help.
+    # In `pose.position`, where pose is a PoseStamped, the path `pose.position` does not help.
     student = re.search(rf"\b([\w.]*\b{similar.partition('.')[0]})\.{attribute}\b", line) if similar else None
     if student and "." in similar:
         similar = f"{student[1]}.{similar}"
@@ -254,7 +254,7 @@ def _value_hint(error: BaseException, text: str) -> str:
     if name == "Parameter":
         return "this is a parameter: read its value, `self.get_parameter('a_name').value`."
     if name == "ParameterValue":
-        return "this holds values of all types. The parameter's own is `self.get_parameter('a_name').value`."
+        return "this holds any type. The parameter's own value is `self.get_parameter('a_name').value`."
     if hasattr(type(value), "get_fields_and_field_types"):
         fields = type(value).get_fields_and_field_types()
         fitting = [one for one, of in fields.items() if of.rpartition("/")[2] == kind]
@@ -317,18 +317,18 @@ def _number_hint(value: object, kind: str, text: str) -> str:
     if isinstance(value, str) and not re.search("'(type|action)' field", text):
         return f"this is the string {value!r}: remove the quotes, or convert it with {kind}(…)."
     if isinstance(value, list | np.ndarray) and np.size(value) != 1:
-        return f"this is a list of {len(value)} items, and the field takes one: like [0]."
+        return f"this is a list of {len(value)} items, and the field takes one: select it, like [0]."
     if isinstance(value, list | np.ndarray | complex):
         return f"this is of type {name}, and the field takes one number: print it."
     return ""
 
 
 def _whole_number_hint(value: object, kind: str, line: str) -> str:
-    """Return the hint for a whole number that the line itself makes of a fraction, or ""."""
+    """Return the hint for a line that rounds a float field's value with // or int( ), or ""."""
     if kind != "float" or not isinstance(value, int):
         return ""
     if "//" in line:
-        return "// leaves out the fraction, and makes a whole number of whole numbers: / divides."
+        return "// rounds down to a whole number: / divides with the fraction."
     if match := re.search(r"\b(int|round)\(", line):
         return f"{match[1]}( ) makes a whole number, without the fraction: leave it out."
     return ""
@@ -435,7 +435,7 @@ def _missing_value_hint(error: BaseException, text: str) -> str:
     owner, name, count, values = match.groups()
     if owner and count != "1":
         return ""
-    # A student who has deleted the cell of a check writes it anew.
+    # A student who has deleted the cell of a check writes it again.
     if name == "check" and "'task_id'" in values:
         return 'pass the name of the task and your object, as in check("week01.red_cube", RedCubeNode).'
     start = f"the call passes no value for {values.replace(chr(39), '')}"
@@ -532,7 +532,7 @@ def _order_hint(error: BaseException, text: str) -> str:
     """Return the hint for a call that passes the type or the name of a topic in the wrong position, or ""."""
     frame = near_names.frame_of(error)
     if "isinstance() arg 2" in text and frame is not None and frame.f_code.co_name == "publish":
-        # rclpy takes a message for its class until it is asked to publish.
+        # rclpy accepts a message in place of its class until `publish` is called.
         return _type_hint(getattr(frame.f_locals.get("self"), "msg_type", None))
     texts = "rclpy_resolve_name|incompatible constructor arguments|no attribute '_TYPE_SUPPORT'"
     if not re.search(texts, text):
@@ -598,9 +598,7 @@ def _operand_hint(error: BaseException, text: str) -> str:
         types = [] if name in _OTHER_OPERANDS else _types_in_error(f"'{name}' object has no attribute")
         fields = [field.name for field in definition(types[0]).fields] if types else []
         if name == "ParameterValue":
-            return (
-                "this holds values of all types. The parameter's own is `self.get_parameter('known').value`."
-            )
+            return "this holds any type. The parameter's own value is `self.get_parameter('known').value`."
         if len(fields) == 1:
             return f"one side is a message, {name}: use its field {fields[0]}."
         if fields and "between instances" not in text:
@@ -639,11 +637,11 @@ def _list_hint(error: BaseException, text: str) -> str:
     if "must be a set or sequence" not in text and not is_converted:
         return ""
     if isinstance(value, Mapping):
-        return "this is a dictionary, and the field takes a list: of its values, in the right order."
+        return "this is a dictionary, and the field takes a list: list its values in the right order."
     if value is None:
         return "this is None: append() and other methods that change a list return None."
     if isinstance(value, str | int | float):
-        return f"this is one value, {value!r}, and the field takes many: put them into a list, in [ ]."
+        return f"this is one value, {value!r}, and the field takes several: put them into a list, in [ ]."
     if isinstance(value, np.ndarray) and value.ndim != 1:
         return (
             f"this is an array of {value.ndim} dimensions, and the field takes one: `matrix.ravel()` is flat."

@@ -170,8 +170,8 @@ ROS_1 = {
     "roslib": "its library for Python is `import rclpy`",
     "roscpp": "its library for Python is `import rclpy`",
     "actionlib": "actions are in `from rclpy.action import ActionClient`",
-    "tf": "the one to import is `import tf2_ros`, for angles `import tf_transformations`",
-    "tf2": "the one to import is `import tf2_ros`",
+    "tf": "write `import tf2_ros`, and for angles `import tf_transformations`",
+    "tf2": "write `import tf2_ros`",
     "rosbag": "bags are read by `import rosbag2_py`",
     "rospkg": "packages are found by `from ament_index_python.packages import get_package_share_directory`",
     "roslaunch": "launch files use `from launch import LaunchDescription`",
@@ -238,7 +238,7 @@ def name_hint(error: NameError) -> str:
         if re.match(rf"\s*{missing}\s*=.*\b{missing}[.(]", line_of_student(error)):
             own = f"{missing} on the right is the variable of this line, which has no value yet"
             return f"{own}. If a module or a function {missing} is meant, choose another name on the left."
-        return f"give {missing} a value before this line, on every way that leads here."
+        return f"give {missing} a value before this line, on every path that leads here."
     # One letter too many, like Points, is more likely than a class of the kit that no cell imports.
     singular = missing.removesuffix("s")
     if singular != missing and singular in frame.f_globals and missing not in IMPORTS:
@@ -252,7 +252,7 @@ def name_hint(error: NameError) -> str:
         return f"a block ends where its lines are no longer indented: delete {missing}."
     if inner := _function_that_sets(missing, frame.f_code):
         return f"{missing} is set in the function {inner}, and exists only there: return it from {inner}."
-    # A launch file is a program of its own, which the cells of a notebook do not help.
+    # A launch file is a separate program, which cannot use the cells of a notebook.
     again = "." if is_launch_file(frame) else "; in a notebook run the first cells again."
     if missing in importable:
         return f"import it: `{importable[missing]}`{again}"
@@ -303,12 +303,12 @@ def _similar_name(
 
 
 def _origin_hint(missing: str, frame: FrameType) -> str:
-    """Return a question for the origin of a name that resembles no other one, or ""."""
+    """Return a hint that asks where a name without a similar one is defined, or ""."""
     if is_launch_file(frame):
-        return f"no line of the launch file defines {missing}. A string is in quotes."
+        return f"no line of the launch file defines {missing}. Strings need quotes."
     if parameters := _parameters(frame.f_code):
         return (
-            f"{frame.f_code.co_name} gets {parameters}, and knows what the cells above define. "
+            f"{frame.f_code.co_name} can use {parameters}, and names that the cells above define. "
             f"Where is {missing} from?"
         )
     return ""
@@ -641,7 +641,7 @@ def by_name_hint(error: BaseException) -> str:
 
 
 def is_of_library(error: BaseException, name: str) -> bool:
-    """Return whether a function that a call of the student names is not the student's own."""
+    """Return whether a function called by this name is not defined in the student's code."""
     frame = frame_of(error)
     return frame is not None and _is_of_library(_reachable_object(frame, name))
 
@@ -780,7 +780,7 @@ def hiding_file_hint(name: str) -> str:
         place = place.parent
     elsewhere = [entry for entry in sys.path if Path(entry).resolve() != place.parent]
     hidden = PathFinder.find_spec(name, elsewhere)
-    # The folder around a package of the workspace is found, too, but has no origin.
+    # Python also finds the folder around a package of the workspace, without an origin.
     if hidden is None or hidden.origin is None or _is_from_student(hidden.origin):
         return ""
     return f"your {place.name} hides the module {name} of Python or of a library: rename it."

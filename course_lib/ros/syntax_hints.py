@@ -39,7 +39,9 @@ def syntax_hint(error: SyntaxError) -> str:
     if found := re.match(r"invalid character '(.)'", message):
         return _character_hint(found[1])
     if re.match(r"invalid non-printable character", message):
-        return "the line has a space or a sign that is none, as in text from a web page: type the line anew."
+        return (
+            "the line has an invisible or unusual character, as in text from a web page: type the line again."
+        )
     if newer := newer_python_hint(error):
         return newer
     if message.startswith("positional argument follows") and (found_comma := decimal_comma_hint(line)):

@@ -320,7 +320,8 @@ class BufferCore:
     ) -> tuple[str, ...]:
         """Store a transform.
 
-        A static one is valid at any time. Return the lines that tf2 logs if it rejects it.
+        A static transform is valid at any time. For a rejected transform, return the lines that tf2
+        logs.
         """
         parent, child = transform.parent.removeprefix("/"), transform.child.removeprefix("/")
         complaints = rejection_messages(transform, parent, child, authority)

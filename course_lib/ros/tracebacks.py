@@ -142,7 +142,7 @@ def loop_of_traceback(trace: TracebackType | None) -> str:
         # A file that changed in the meantime may not be Python.
         with contextlib.suppress(SyntaxError):
             tree = ast.parse("".join(linecache.getlines(code.co_filename)))
-            # Inner loops come after outer ones.
+            # Inner loops follow outer ones.
             for node in ast.walk(tree):
                 if isinstance(node, ast.While | ast.For):
                     is_running = code.co_firstlineno <= node.lineno <= line <= (node.end_lineno or line)

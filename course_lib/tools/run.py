@@ -161,7 +161,7 @@ def run_with_tool(
     seconds: float | None,
     graph: Graph | None = None,
 ) -> int:
-    """Run programs, and a tool as soon as each of them waits. The programs end with the tool.
+    """Run programs, and a tool as soon as all programs wait. The programs end with the tool.
 
     Args:
         files: The programs.

@@ -291,7 +291,7 @@ class PageLink:
         """Return the whole scene, and the number of the last batch in it."""
         with self._lock:
             self._count_stale()
-            # A new page does not know the paths of earlier batches.
+            # A new page has not received the paths of earlier batches.
             self._paths = []
             return self.number, encoding.snapshot(self.scene)
 

@@ -90,7 +90,7 @@ def unit_spot(spot: drawables.Spot) -> tuple[Float32s, Float32s]:
 
 
 def _revolve(profile: Matrix, angles: Matrix) -> Float32s:
-    """Rotate points (radius, height), shape (S, 2), around z, and return shape (A, S, 3)."""
+    """Rotate points (radius, height), shape (S, 2), around z by A angles; shape (A, S, 3)."""
     radius, height = profile.T
     x, y = np.outer(np.cos(angles), radius), np.outer(np.sin(angles), radius)
     return np.stack([x, y, np.broadcast_to(height, x.shape)], axis=-1).astype(np.float32)

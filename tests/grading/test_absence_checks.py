@@ -67,7 +67,7 @@ def test_premature_message_is_reported(evidence: MakeEvidence, at: float, messag
         (
             Image(width=2, height=1, step=2, data=bytes(2), encoding="gray8"),
             "an image on /image has the encoding 'gray8', "
-            "which RViz cannot draw, expected 'mono8', 'rgb8' or alike",
+            "which RViz cannot draw, expected 'mono8', 'rgb8' or similar",
         ),
         (String(), "/image carries std_msgs/msg/String, expected sensor_msgs/msg/Image"),
     ],

@@ -31,7 +31,7 @@ SLIPS = [
     (("rclpy.spin_once(self)", "return 1"), '"rclpy.spin_once" in tick waits for callbacks'),
     (("count = 0", "++count", "print(count)"), '"++count" changes nothing: write count += 1'),
     (("marker.color.a == 0.8",), '"marker.color.a == 0.8" compares and changes nothing'),
-    (("self.paint",), '"self.paint" names paint and does not call it'),
+    (("self.paint",), '"self.paint" does not call paint'),
     (("self.angle =+ 0.1",), "=+ sets self.angle to the value on the right"),
     (("items = items.append(1)",), "append() changes items and returns None"),
     (
@@ -75,7 +75,7 @@ SLIPS = [
     (("return 1", "self.angle = 2.0"), '"self.angle = 2.0" comes after "return 1" and never runs'),
     (("angle = self.angle + 0.1",), "angle = … in tick sets a variable that ends with the method"),
     (("share = (self.count - 1) // (b - a)", "return share"), '"(self.count - 1) // (b - a)" leaves out'),
-    (("self.create_timer(1.0, lambda: self.tick)",), '"lambda: self.tick" names tick and does not call it'),
+    (("self.create_timer(1.0, lambda: self.tick)",), '"lambda: self.tick" does not call tick'),
     (("rate = 5", 'return """\na: {rate}\n"""'), "the string '{rate}' has names in { }"),
     (
         ("viewer.save_rviz('a.rviz')", "return Path('b.rviz').read_text()"),
@@ -209,7 +209,7 @@ def test_buffer_without_a_listener_is_reported(listener: str, sentence: str) -> 
 @pytest.mark.parametrize(
     ("lines", "sentence"),
     [
-        (("for one in parameters:", "    print(one)"), "tick may end without return, and ROS rejects each"),
+        (("for one in parameters:", "    print(one)"), "tick may end without return, and then ROS"),
         (
             ("if parameters:", "    return SetParametersResult(successful=True)"),
             "tick may end without return",

@@ -260,7 +260,7 @@ def test_missing_module_of_pip_gets_the_command_that_installs_it(module: str, na
         ("RPi.GPIO", "RPi drives devices of the robot's own computer: run this program there."),
         (
             "ros2topic.api",
-            "this is a part of the program ros2, which pip can't install. Here node.get_",
+            "this is part of the program ros2, which pip can't install. Here node.get_",
         ),
         ("nav_2d_msgs.msg", "copy the package's folder from https://github.com/ros-navigation/navigation2"),
         ("nav_2d_msgs", "copy the package's folder from https://github.com/ros-navigation/navigation2"),

@@ -247,7 +247,7 @@ def _collect(submission: Path, upload: Upload, work: Path, course: Course) -> se
 def _without_personal_points(
     marked_result: MarkedResult, address: str, catalog: Catalog
 ) -> tuple[MarkedResult, str]:
-    """Return the result of a student with unknown ID, and a line about it.
+    """Return the result of a student with an unknown ID, and a line that explains the points.
 
     The file was run with the personal values of the ID in it, which may not be the sender's.
     Therefore checks that compare something with a personal value give no points; the other

@@ -195,8 +195,8 @@ def _problem(key: str, mark: dict[str, str] | None, count: int, is_short: bool) 
 def _maxima(file: LmsFile, place: int) -> set[float]:
     """Return the platform's maximum points, from a row of Canvas's CSV or a column of Moodle's CSV.
 
-    In languages other than English, Moodle's column is recognized by its position after the marks
-    and its single distinct number.
+    In languages other than English, Moodle's column is recognized because it follows the column of
+    the marks and contains the same number in each row.
     """
     rows = range(1, len(file.rows))
     maxima = {file.text(row, place) for row in rows if file.text(row, 0) == POINTS_POSSIBLE}

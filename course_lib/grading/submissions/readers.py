@@ -75,7 +75,7 @@ class LmsFile:
             text = data.removeprefix(bom).decode(encoding, "surrogatepass" if bom else "strict")
         except UnicodeError as error:
             raise CourseError(
-                f"{path} is not valid {encoding}, although its byte order mark says so: {error}. "
+                f"{path} is not valid {encoding}, although its byte order mark indicates it: {error}. "
                 "Export it again."
             ) from error
         first = re.split("[\r\n]", text, maxsplit=1)[0]
@@ -549,7 +549,7 @@ class Layout:
         # macOS decomposes umlauts.
         name = unicodedata.normalize("NFC", top[0])
         if not PERSON.fullmatch(name) or (_own_id(name) and not WORDS.search(name)):
-            # Like "Lovelace_Ada_alovelace" of OpenOlat: a roster may know the login only.
+            # Like "Lovelace_Ada_alovelace" of OpenOlat: a roster may contain only the login.
             keys = _keys(*_endings(name))
             return DownloadName(self.name, name, name, normalise(name), top[1:], keys, is_named=True)
         # A person's name, like "Bob O'Neil": characters that are invalid in IDs are removed.

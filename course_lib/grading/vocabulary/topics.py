@@ -274,7 +274,7 @@ def expect_images(evidence: Evidence, topic: str) -> Iterable[Problem]:
     if unknown := [image.encoding for image in images if not is_supported(image.encoding)]:
         message = f"an image on {topic} has the encoding {unknown[0]!r}, which RViz cannot draw"
         return [
-            Problem(f"{message}, expected 'mono8', 'rgb8' or alike", "the encoding of an image is unknown")
+            Problem(f"{message}, expected 'mono8', 'rgb8' or similar", "the encoding of an image is unknown")
         ]
     # Later images may be recorded without their pixels.
     first, size = images[0], images[0].step * images[0].height
@@ -475,7 +475,7 @@ def expect_level(
         return [Problem(gap.message, "a status is missing")]
     for status in statuses:
         number = status.level[0]
-        # b"0" is the character, whose number is 48.
+        # A student may publish the character b"0", whose number is 48.
         reported = LEVELS[number] if number < len(LEVELS) else f"{number}, which is not a level,"
         if reported != level:
             return [Problem(f"the level is {reported} {when}, expected {level}", "a level is wrong")]

@@ -175,7 +175,7 @@ def _compare_lists(
     if len(value) != len(expected):
         message = f"{name} has {format_count(len(value), 'item')}, expected {len(expected) or 'none'}"
         items = _shorten(_rounded(value))
-        # A part of a table says little.
+        # The beginning of a long table does not help.
         if value and not (items.endswith("...") and any(isinstance(item, list | dict) for item in value)):
             message = f"{message}: {items}"
         is_nested = len(value) == 1 and isinstance(value[0], list) and len(value[0]) == len(expected)

@@ -28,7 +28,7 @@ MAX_PENDING = 256
 MAX_PARTIAL = 8
 # Limit on the bytes of all incomplete messages of a reader.
 MAX_PARTIAL_BYTES = 2 * wire.MAX_MESSAGE
-# Number of signs in a row that a remote writer has started anew with the same GUID.
+# Number of consecutive signs that a remote writer has restarted with the same GUID.
 RESTART_SIGNS = 3
 # Memory of the number of a missing fragment [B].
 FRAGMENT_OVERHEAD = 100
@@ -508,7 +508,7 @@ class Reader(OwnEndpoint[MatchedWriter]):
         return due
 
     def _request_heartbeat(self, writer: MatchedWriter, base: int) -> None:
-        """Request a heartbeat of a writer, which has all messages before `base` acknowledged.
+        """Request a heartbeat from a writer, acknowledging all messages before `base`.
 
         Fast DDS answers immediately only to base 0, otherwise after up to 3 s. Cyclone DDS rejects
         base 0.

@@ -449,7 +449,7 @@ class Participant:
                     self._receive_all(wait)
 
     def _resolve_again(self) -> None:
-        """Follow the name of a robot not found: it may have started with another address."""
+        """Resolve the name of a missing robot again, because its address may have changed."""
         with contextlib.suppress(CourseError):
             peer = resolve(self._host)
             if peer != self._peer:

@@ -649,7 +649,7 @@ def _container_class(type_name: str, parts: tuple[str, ...], **attributes: Any) 
         kind = "Action" if hasattr(self, "Goal") else "Service"
         raise NotImplementedError(f"{kind} classes can not be instantiated")
 
-    # Python's errors about wrong arguments name it.
+    # Python's errors about wrong arguments contain this name.
     initialize.__qualname__ = f"{name}.__init__"
     contents = {part[1:]: message_class(type_name + part) for part in parts}
     home = {"__module__": module_of_type(type_name), "_TYPE_NAME": type_name}

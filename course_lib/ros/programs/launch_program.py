@@ -454,7 +454,7 @@ class LaunchProgram(Process):
             try:
                 if not hasattr(entity, "visit"):
                     kind = type(entity).__name__
-                    # The repr of an object says less than its class.
+                    # The class of an object is more informative than its repr.
                     what = repr(entity) if isinstance(entity, str | int | float) else f"a {kind}"
                     raise AttributeError(
                         f"'{kind}' object has no attribute 'visit': expected an action such as "

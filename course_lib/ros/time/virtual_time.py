@@ -69,13 +69,13 @@ _real_get_code = SourceFileLoader.get_code
 
 
 class BusyWaitTransformer(ast.NodeTransformer):
-    """Inserts the call into the waiting loops of a syntax tree.
+    """Inserts a call of `count_round` into the waiting loops of a syntax tree.
 
     Also used as one of IPython's `ast_transformers`.
     """
 
     def visit(self, node: ast.AST) -> Any:
-        """Insert the call into each loop of the tree that only waits."""
+        """Insert a call of `count_round` into each loop of the tree that only waits."""
         # ast.walk does not recurse, so expressions may have thousands of terms.
         for loop in ast.walk(node):
             if not isinstance(loop, ast.While) or not _is_idle(loop.body):

@@ -15,7 +15,7 @@ def serialize_message(message: RosMessage) -> bytes:
 
 
 def deserialize_message(serialized_message: bytes, message_type: type[MsgT] | MsgT) -> MsgT:
-    """Deserialize a message, of a class or, as in rclpy, of the class of a given message.
+    """Deserialize a message of a class, which may be given by one of its messages, as in rclpy.
 
     Raises:
         CourseError: The bytes are not a message of this type.

@@ -6,7 +6,7 @@ FRAMES = [
         "from tf2_ros import TransformListener\n"
         "TransformListener(Buffer(), node).lookupTransform('map', 'base', Time())",
         "AttributeError: 'TransformListener' object has no attribute 'lookupTransform'",
-        "the buffer answers, and the listener fills it: `self.buffer.lookup_transform('map', "
+        "the listener only fills the buffer. Query the buffer: `self.buffer.lookup_transform('map', "
         "'base_link', Time())`.",
     ),
     (

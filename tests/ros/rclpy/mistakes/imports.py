@@ -60,7 +60,7 @@ IMPORTS = [
                 "import tf",
                 "ModuleNotFoundError",
                 "No module named 'tf'",
-                "there is no module tf in ROS 2: the one to import is `import tf2_ros`, for angles "
+                "there is no module tf in ROS 2: write `import tf2_ros`, and for angles "
                 "`import tf_transformations`.",
             ),
             (
@@ -98,7 +98,6 @@ IMPORTS = [
     (
         "from tf.transformations import quaternion_from_euler",
         "ModuleNotFoundError: No module named 'tf'",
-        "there is no module tf in ROS 2: the one to import is `import tf2_ros`, for angles "
-        "`import tf_transformations`.",
+        "there is no module tf in ROS 2: write `import tf2_ros`, and for angles `import tf_transformations`.",
     ),
 ]

@@ -260,7 +260,7 @@ MESSAGES = [
         "PoseStamped().pose.orientation.yaw",
         "AttributeError: 'Quaternion' object has no attribute 'yaw'",
         "a quaternion does not contain an angle: a rotation by yaw about z is "
-        "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`, and back it is `yaw = 2 * atan2(q.z, q.w)`.",
+        "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`, and the inverse is `yaw = 2 * atan2(q.z, q.w)`.",
     ),
     (
         "PoseStamped().header = str(PoseStamped().header)",
@@ -270,7 +270,7 @@ MESSAGES = [
     (
         "from trajectory_msgs.msg import JointTrajectoryPoint\nJointTrajectoryPoint(positions={'arm': 1.0})",
         "TypeError: must be real number, not str",
-        "this is a dictionary, and the field takes a list: of its values, in the right order.",
+        "this is a dictionary, and the field takes a list: list its values in the right order.",
     ),
     (
         "from trajectory_msgs.msg import JointTrajectoryPoint\nJointTrajectoryPoint(positions=['1.0'])",
@@ -280,7 +280,7 @@ MESSAGES = [
     (
         "Marker().pose.position.z = 1 // 2",
         "AssertionError: The 'z' field must be of type 'float'",
-        "// leaves out the fraction, and makes a whole number of whole numbers: / divides.",
+        "// rounds down to a whole number: / divides with the fraction.",
     ),
     (
         "Marker().scale.x = round(0.8)",

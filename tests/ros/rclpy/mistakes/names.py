@@ -75,14 +75,14 @@ NAMES = [
     (
         "1 - node.get_clock().now()",
         "TypeError: unsupported operand type(s) for -: 'int' and 'Time'",
-        "one side is a plain number, the other a Time: both have to be of one kind, as in "
+        "one side is a plain number, the other a Time: both must have the same type, as in "
         "`self.get_clock().now() - Duration(seconds=1.0)`.",
     ),
     (
         "from nav_msgs.msg import Path\nPath('a.rviz')",
         "TypeError: Path.__init__() takes 1 positional argument but 2 were given",
-        "this Path is the message of nav_msgs. A path of a file is `from pathlib import Path as "
-        "File`, then File(…).",
+        "this Path is the message of nav_msgs. For the path of a file, write "
+        "`from pathlib import Path as File`, then File(…).",
     ),
     (
         "from sensor_msgs.msg import Image\nImage(data='000')",
@@ -97,7 +97,7 @@ NAMES = [
     (
         "import numpy as np\nnp.array([])[:, 0]",
         "IndexError: too many indices for array: array is 1-dimensional, but 2 were indexed",
-        "the array has fewer dimensions than indices here, as an empty one has: print its shape first.",
+        "there are more indices than dimensions: print the array's shape first. Is the array empty?",
     ),
     ("a = null", undefined("null"), "Python's name for it is `None`."),
     ("printf('a')", undefined("printf"), "Python's name for it is `print`."),
@@ -135,7 +135,7 @@ NAMES = [
         "Marker().pose.orientation.yaw = 1.0",
         "AttributeError: 'Quaternion' object has no attribute 'yaw'",
         "a quaternion does not contain an angle: a rotation by yaw about z is "
-        "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`, and back it is `yaw = 2 * atan2(q.z, q.w)`.",
+        "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`, and the inverse is `yaw = 2 * atan2(q.z, q.w)`.",
     ),
     (
         ROBOT.format(line="self.publish(String())"),
@@ -208,7 +208,7 @@ NAMES = [
     (
         "def level(x):\n    if x > 1:\n        y = 2\n    return y\nlevel(0)",
         "UnboundLocalError: cannot access local variable 'y' where it is not associated with a value",
-        "give y a value before this line, on every way that leads here.",
+        "give y a value before this line, on every path that leads here.",
     ),
     (
         "rclpy.spn(node)",
@@ -229,7 +229,7 @@ NAMES = [
         "rclpy.init_node('a')",
         "AttributeError: module 'rclpy' has no attribute 'init_node'",
         "`rclpy.init()` comes first; then an object of your class, "
-        "whose `super().__init__('a_name')` has the node's name.",
+        "whose `super().__init__('a_name')` sets the node's name.",
     ),
     (
         "rclpy.get_time()",
@@ -244,7 +244,7 @@ NAMES = [
     (
         "rclpy.logging.info('a')",
         "AttributeError: module 'rclpy.logging' has no attribute 'info'",
-        "a node's logger has it: `self.get_logger().info('a text')`.",
+        "a node's logger has this method: `self.get_logger().info('a text')`.",
     ),
     (
         "rclpy.Publisher('a', String)",
@@ -315,7 +315,7 @@ NAMES = [
     (
         "def confidence_color(score):\n    return 1 - confidence\nconfidence_color(1.0)",
         "NameError: name 'confidence' is not defined",
-        "confidence_color gets score, and knows what the cells above define. Where is confidence from?",
+        "confidence_color can use score, and names that the cells above define. Where is confidence from?",
     ),
     (
         "twist.linear.x = 1.0",

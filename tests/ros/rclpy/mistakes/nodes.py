@@ -155,19 +155,19 @@ NODES = [
         "Node('my robot')",
         "rclpy.exceptions.InvalidNodeNameException: Invalid node name: node name must not contain "
         "characters other than alphanumerics or '_':",
-        "use letters, digits and underscores, like front_camera; the rest is for namespace=.",
+        "use letters, digits and underscores, like front_camera; the rest belongs in namespace=.",
     ),
     (
         "Node('2nd')",
         "rclpy.exceptions.InvalidNodeNameException: Invalid node name: node name must not start "
         "with a number:",
-        "use letters, digits and underscores, like front_camera; the rest is for namespace=.",
+        "use letters, digits and underscores, like front_camera; the rest belongs in namespace=.",
     ),
     (
         "Node('/robot')",
         "rclpy.exceptions.InvalidNodeNameException: Invalid node name: node name must not contain "
         "characters other than alphanumerics or '_':",
-        "use letters, digits and underscores, like front_camera; the rest is for namespace=.",
+        "use letters, digits and underscores, like front_camera; the rest belongs in namespace=.",
     ),
     (
         "Node('robot', namespace='my ns')",

@@ -74,7 +74,7 @@ PLAIN_PYTHON = [
     (
         "def rows(heard):\n    return len(times)\nrows({})",
         "NameError: name 'times' is not defined",
-        "rows gets heard, and knows what the cells above define. Where is times from?",
+        "rows can use heard, and names that the cells above define. Where is times from?",
     ),
     (
         "[1, 2]['a']",
@@ -101,7 +101,7 @@ PLAIN_PYTHON = [
     (
         "limits = {'speed': 2.0}\nlimits.speed",
         "AttributeError: 'dict' object has no attribute 'speed'",
-        'a value of a dictionary is in [ ], in quotes: ["speed"].',
+        'a value of a dictionary is selected by its key in [ ] and quotes: ["speed"].',
     ),
     (
         "position = None\nposition.x",
@@ -111,8 +111,8 @@ PLAIN_PYTHON = [
     (
         "import numpy as np\nx = np.array([1.0])\nx > 0.0 & x < 1.0",
         "TypeError: ufunc 'bitwise_and' not supported for the input types",
-        "put each comparison into ( ): `(items[0] > 0) & (items[0] < 1)`. An array of zeros for "
-        "yes and no is `np.zeros(3, bool)`.",
+        "put each comparison into ( ): `(items[0] > 0) & (items[0] < 1)`. An array of False "
+        "is `np.zeros(3, bool)`.",
     ),
     (
         "corner = (1.0, 2.0)\ncorner['x']",
@@ -147,7 +147,7 @@ PLAIN_PYTHON = [
     (
         "int(float('nan'))",
         "ValueError: cannot convert float NaN to integer",
-        "the number is nan: leave it out before, with math.isfinite(…).",
+        "the number is nan: filter it out first, with math.isfinite(…).",
     ),
     (
         "float('fast')",
@@ -236,7 +236,8 @@ PLAIN_PYTHON = [
     (
         "joints = [['z', 1.0]]\nangles = [0.5]\nfor joint in joints:\n    angles[joint]",
         "TypeError: list indices must be integers or slices, not list",
-        "an index counts items: `for i in range(len(items))` gives indices, `for item in items` the items.",
+        "an index is a whole number: `for i in range(len(items))` gives indices, "
+        "`for item in items` the items.",
     ),
     (
         "from sensor_msgs.msg import JointState\nJointState().position['elbow_joint'] = 1.0",
@@ -367,7 +368,7 @@ PLAIN_PYTHON = [
     (
         "[1.0, 2.0].index(3.0)",
         "ValueError: 3.0 is not in list",
-        "the value is not among the items: print both. nan is equal to nothing, not even to itself.",
+        "the value is not among the items: print both. nan is not equal to any value, not even to itself.",
     ),
     (
         "min([])",
@@ -384,7 +385,7 @@ PLAIN_PYTHON = [
     (
         "int(float('inf'))",
         "OverflowError: cannot convert float infinity to integer",
-        "the number is infinite: leave it out before, with math.isfinite(…).",
+        "the number is infinite: filter it out first, with math.isfinite(…).",
     ),
     ("mine = {'amplitude': 0.5}\nmine['amplitud']", "KeyError: 'amplitud'", "did you mean 'amplitude'?"),
     (
@@ -420,7 +421,7 @@ PLAIN_PYTHON = [
     (
         "def two_link(a, b, first):\n    return lift\ntwo_link(1.0, 1.0, 0.0)",
         "NameError: name 'lift' is not defined",
-        "two_link gets a, b and first, and knows what the cells above define. Where is lift from?",
+        "two_link can use a, b and first, and names that the cells above define. Where is lift from?",
     ),
     (
         "import tf2_geometry_msgs\nBuffer().transform('map', Point())",
@@ -454,7 +455,7 @@ PLAIN_PYTHON = [
     (
         "sorted([Point(), Point()])",
         "TypeError: '<' not supported between instances of 'Point' and 'Point'",
-        "two objects of type Point have no order: compare a number of each, as by sorted(items, "
+        "two objects of type Point have no order: compare a number of each, as in sorted(items, "
         "key=score_of).",
     ),
     (
@@ -474,11 +475,11 @@ PLAIN_PYTHON = [
             hint,
         )
         for value, hint in (
-            ("1", "this is one value, 1, and the field takes many: put them into a list, in [ ]."),
-            ("'arm'", "this is one value, 'arm', and the field takes many: put them into a list, in [ ]."),
+            ("1", "this is one value, 1, and the field takes several: put them into a list, in [ ]."),
+            ("'arm'", "this is one value, 'arm', and the field takes several: put them into a list, in [ ]."),
             (
                 "{'arm': 1.0}",
-                "this is a dictionary, and the field takes a list: of its values, in the right order.",
+                "this is a dictionary, and the field takes a list: list its values in the right order.",
             ),
             ("[['a']]", "item 0 is a list in the list: does it have [ ] of its own, or is a * missing?"),
             (
@@ -590,7 +591,7 @@ PLAIN_PYTHON = [
     (
         "angle = 0.5\nangle.cos()",
         "AttributeError: 'float' object has no attribute 'cos'",
-        "a function of math gets the number in ( ): math.cos(x).",
+        "a function of math takes the number in ( ): math.cos(x).",
     ),
     (
         "import math\nmath.dist([1.0])",
