@@ -47,7 +47,8 @@ from course_lib.course.questions import read_questions
 from course_lib.course.state import CHOICE, course_package, lessons_dir
 from course_lib.errors import CourseError, did_you_mean, format_count, location_of
 from course_lib.files import write_atomically
-from course_lib.grading.judge import NEEDS_ANOTHER, executors
+from course_lib.grading.executors import executors
+from course_lib.grading.judge import NEEDS_ANOTHER
 from course_lib.grading.records import CheckResult, TaskResult
 from course_lib.grading.store import Course, catalog_of, kit_digest
 from course_lib.grading.task import Scenario, Task

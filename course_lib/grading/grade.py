@@ -30,8 +30,9 @@ from course_lib.course.exercise import exercise_from, notebook_text, read_notebo
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
 from course_lib.grading import store
+from course_lib.grading.executors import executors, flow
 from course_lib.grading.jail.filters import Need
-from course_lib.grading.judge import executors, flow, judge
+from course_lib.grading.judge import judge
 from course_lib.grading.marks import GradebookRow, MarkedResult, mark, read_marks, stored_result
 from course_lib.grading.records import Fault, Judgement, Result, Submission, TaskResult
 from course_lib.grading.reports.report import has_page, report

@@ -1,188 +1,15 @@
-"""The stage `judge`: compute scores from evidence with pure functions, so equal evidence gets equal scores.
+"""The stage `judge`: scores from evidence. Its functions are pure: equal evidence gets equal scores."""
 
-Executors run the jobs of `run` and `judge` in this process, in several processes, or on a Dask
-cluster.
-"""
-
-import multiprocessing
-import os
-import signal
-import sys
-import threading
 import time
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
-from concurrent.futures import ProcessPoolExecutor as Pool
-from concurrent.futures import ThreadPoolExecutor as Threads
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
-from multiprocessing import resource_tracker
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
 
-from course_lib.errors import CourseError
 from course_lib.grading.evidence import Check, Evidence, Verdict, all_checks
 from course_lib.grading.records import CheckResult, Judgement, TaskResult
-from course_lib.grading.run.run import Run
+from course_lib.grading.run.run import ExerciseRun, Run
 from course_lib.grading.task import Catalog, Task, time_limit
-
-if TYPE_CHECKING:
-    from course_lib.grading.run.run import ExerciseRun
-
-Tag = TypeVar("Tag")
-TRIES = 2
-CONNECT_SECONDS = 10  # [s]
-
-
-class InlineExecutor(Executor):
-    """An executor that calls functions immediately, in this process."""
-
-    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> "Future[Any]":
-        """Call the function and return a completed future."""
-        future: Future[Any] = Future()
-        try:
-            future.set_result(fn(*args, **kwargs))
-        except Exception as error:
-            future.set_exception(error)
-        return future
-
-
-class ProcessPool(Threads):
-    """A pool of single-thread processes, which replaces a process that dies and repeats its call.
-
-    A pool with several processes would lose all running calls if one process died.
-    """
-
-    def __init__(self, count: int) -> None:
-        # New processes inherit the blocked SIGINT, and unblock it once they can end on Ctrl+C
-        # without a traceback.
-        super().__init__(count, initializer=_mask_interrupts, initargs=(signal.SIG_BLOCK,))
-        # Start multiprocessing's tracker of semaphores here: a thread that starts it unblocks
-        # Ctrl+C, and the first process would print a traceback. It would also warn about
-        # semaphores that a second Ctrl+C leaves, which it then removes.
-        sys.warnoptions.append("ignore:resource_tracker")
-        try:
-            resource_tracker.ensure_running()
-        finally:
-            sys.warnoptions.remove("ignore:resource_tracker")
-        self._local = threading.local()
-        self._processes: list[Pool] = []
-
-    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> "Future[Any]":
-        """Call the function in one of the processes."""
-        return super().submit(self._call, partial(fn, *args, **kwargs))
-
-    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End all processes."""
-        super().shutdown(wait, cancel_futures=cancel_futures)
-        for process in self._processes:
-            process.shutdown(wait)
-
-    def _call(self, call: Callable[[], Any]) -> Any:
-        for _ in range(TRIES):
-            try:
-                return self._process().submit(call).result()
-            except BrokenExecutor:
-                self._local.process = None
-        raise CourseError(
-            f"the process that graded it died {TRIES} times: it was killed, or ran out of memory"
-        )
-
-    def _process(self) -> Pool:
-        if getattr(self._local, "process", None) is None:
-            context = multiprocessing.get_context(
-                "spawn"
-            )  # A spawned process inherits none of this process's threads and locks.
-            self._local.process = Pool(1, mp_context=context, initializer=_end_with_parent)
-            self._processes.append(self._local.process)
-        process: Pool = self._local.process
-        return process
-
-
-def _end_with_parent() -> None:
-    """End this process silently on Ctrl+C, and when its parent process ends."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-    _mask_interrupts(signal.SIG_UNBLOCK)
-    parent = multiprocessing.parent_process()
-
-    def follow() -> None:
-        if parent is not None:
-            parent.join()
-        os._exit(1)
-
-    threading.Thread(target=follow, daemon=True).start()
-
-
-def _mask_interrupts(how: int) -> None:
-    signal.pthread_sigmask(how, {signal.SIGINT})
-
-
-@contextmanager
-def executors(jobs: int, dask: str | None) -> Iterator[tuple[Executor, Executor, int]]:
-    """Open the executors for running and judging.
-
-    The block gets the executors and the number of submissions that may be pending.
-
-    Args:
-        jobs: Number of processes on this machine.
-        dask: Address of a Dask scheduler whose workers run submissions; judging stays on this
-            machine.
-
-    Raises:
-        CourseError: No scheduler answers at the address.
-    """
-    local: Executor = InlineExecutor() if jobs == 1 else ProcessPool(jobs)
-    try:
-        if dask is None:
-            yield local, local, 1 if jobs == 1 else 2 * jobs
-        else:
-            with _client(dask) as client:
-                threads = sum(client.nthreads().values())
-                yield client.get_executor(pure=False), local, 2 * max(threads, 1)
-    finally:
-        local.shutdown(wait=False, cancel_futures=True)
-
-
-def _client(address: str) -> Any:
-    try:
-        from distributed import Client
-        from distributed.comm.addressing import get_address_host_port
-    except ImportError as error:
-        raise CourseError("--dask needs an extra package: pip install 'course-lib[dask]'") from error
-    try:
-        # Check the address first: a Client with an invalid one prints a traceback when it is
-        # destroyed.
-        get_address_host_port(address)
-        return Client(address, timeout=CONNECT_SECONDS, set_as_default=False)  # type: ignore[no-untyped-call]
-    except (OSError, ValueError) as error:
-        raise CourseError(
-            f"--dask {address}: no scheduler answers ({error}). Start one with `dask scheduler` "
-            "and pass its address, like tcp://127.0.0.1:8786"
-        ) from error
-
-
-def flow(
-    executor: Executor,
-    function: Callable[..., Any],
-    calls: Iterable[tuple[Tag, Sequence[Any]]],
-    window: int,
-) -> Iterator[tuple[Tag, "Future[Any]"]]:
-    """Submit calls for (tag, arguments), `window` at a time, and yield (tag, future) as they end."""
-    pending: dict[Future[Any], Tag] = {}
-    for tag, arguments in calls:
-        pending[executor.submit(function, *arguments)] = tag
-        if len(pending) >= window:
-            yield from _take_completed(pending)
-    while pending:
-        yield from _take_completed(pending)
-
-
-def _take_completed(pending: dict["Future[Any]", Tag]) -> Iterator[tuple[Tag, "Future[Any]"]]:
-    for future in wait(pending, return_when=FIRST_COMPLETED).done:
-        yield pending.pop(future), future
-
 
 CHECK_SECONDS = 5.0  # [s] processor time of one check
 TASK_SECONDS = 10.0  # [s] processor time of all checks of a task
@@ -199,7 +26,7 @@ CANNOT_JUDGE = (
 HIDDEN_ERROR = "in a hidden scenario the code raises an exception, or ends too early"
 
 
-def judge(run: "ExerciseRun", tasks: Sequence[Task], catalog: Catalog) -> Judgement:
+def judge(run: ExerciseRun, tasks: Sequence[Task], catalog: Catalog) -> Judgement:
     """Judge the evidence of a submission with the checks of its tasks."""
     results = tuple(
         judge_task(task, *catalog.points(task), [one for one in run.runs if one.evidence.task == task.id])

@@ -26,7 +26,7 @@ from course_lib.authoring.edits import (
     rehearsal_without,
 )
 from course_lib.authoring.rehearsal import rehearse
-from course_lib.grading.judge import executors
+from course_lib.grading.executors import executors
 from course_lib.grading.store import catalog_of, this_course
 from course_lib.grading.task import Task
 

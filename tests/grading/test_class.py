@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from course_lib.errors import CourseError
+from course_lib.grading.executors import InlineExecutor, ProcessPool, flow
 from course_lib.grading.grade import grade
-from course_lib.grading.judge import InlineExecutor, ProcessPool, flow
 from course_lib.grading.marks import results_in
 from course_lib.grading.run import run
 from course_lib.grading.run.run import Job
@@ -164,7 +164,7 @@ def test_unreachable_dask_scheduler_is_reported(
     course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("course_lib.grading.judge.CONNECT_SECONDS", 0.2)
+    monkeypatch.setattr("course_lib.grading.executors.CONNECT_SECONDS", 0.2)
     write_class(tmp_path, 1)
     with pytest.raises(CourseError, match=r"--dask tcp://127\.0\.0\.1:9: no scheduler answers"):
         grade(tmp_path / "in", tmp_path / "out", jobs=1, dask="tcp://127.0.0.1:9", course=course)

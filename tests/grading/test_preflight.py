@@ -12,8 +12,8 @@ import pytest
 
 import course_lib
 from course_lib.errors import CourseError
+from course_lib.grading.executors import InlineExecutor
 from course_lib.grading.grade import grade, installed_kit, run_preflight
-from course_lib.grading.judge import InlineExecutor
 from course_lib.grading.marks import results_in
 from course_lib.grading.store import Course
 from tests.grading.conftest import RIGHT
