@@ -14,8 +14,8 @@ import numpy as np
 from course_lib.course.exercise import code_cells, read_notebook, source
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import judge, judge_task
-from course_lib.grading.records import TaskResult
-from course_lib.grading.run.run import Job, Run, plan_scenarios, run, unpack
+from course_lib.grading.records import Run, TaskResult
+from course_lib.grading.run.run import Job, plan_scenarios, run, unpack
 from course_lib.grading.store import Course, catalog_of
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.task import Catalog, Task

@@ -6,8 +6,8 @@ from course_lib.grading import Scenario, Task, expect_frame, expect_marker, expe
 from course_lib.grading.advice import Advice
 from course_lib.grading.check import table_of
 from course_lib.grading.judge import judge_task
-from course_lib.grading.run.run import Run
-from course_lib.grading.run.student_side import run_in_this_process
+from course_lib.grading.records import Run
+from course_lib.grading.run.scenario import run_in_this_process
 
 TOPIC = "/visualization_marker"
 SHAPE = expect_marker(TOPIC, type="CUBE", scale=(1.0, 1.0, 1.0)).titled("a cube with 1 m edges")

@@ -26,7 +26,7 @@ from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER
 from course_lib.grading.node_slips import find_growing_list, find_slip
 from course_lib.grading.records import TaskResult
-from course_lib.grading.run.submission_run import NO_NODE
+from course_lib.grading.run.scenario import NO_NODE
 from course_lib.grading.slips import IN_PLACE, Function, find_hidden_error, parse
 from course_lib.grading.task import HINTS, Task
 from course_lib.ros.messages import to_plain

@@ -16,11 +16,10 @@ from course_lib.grading.advice import Advice
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import personal_values
 from course_lib.grading.judge import judge_task
-from course_lib.grading.records import TaskResult
+from course_lib.grading.records import Run, TaskResult
 from course_lib.grading.reports.table import Table
 from course_lib.grading.run.outcome import printed_lines
-from course_lib.grading.run.run import Run
-from course_lib.grading.run.student_side import run_in_this_process
+from course_lib.grading.run.scenario import run_in_this_process
 from course_lib.grading.submissions.notebook import NOT_SUBMITTED
 from course_lib.grading.task import Catalog, Task, shipped_catalog
 from course_lib.host import in_notebook

@@ -5,11 +5,14 @@ import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from course_lib.grading.evidence import Check, Evidence, Verdict, all_checks
-from course_lib.grading.records import CheckResult, Judgement, TaskResult
-from course_lib.grading.run.run import ExerciseRun, Run
+from course_lib.grading.records import CheckResult, Judgement, Run, TaskResult
 from course_lib.grading.task import Catalog, Task, time_limit
+
+if TYPE_CHECKING:
+    from course_lib.grading.run.run import ExerciseRun
 
 CHECK_SECONDS = 5.0  # [s] processor time of one check
 TASK_SECONDS = 10.0  # [s] processor time of all checks of a task
@@ -26,7 +29,7 @@ CANNOT_JUDGE = (
 HIDDEN_ERROR = "in a hidden scenario the code raises an exception, or ends too early"
 
 
-def judge(run: ExerciseRun, tasks: Sequence[Task], catalog: Catalog) -> Judgement:
+def judge(run: "ExerciseRun", tasks: Sequence[Task], catalog: Catalog) -> Judgement:
     """Judge the evidence of a submission with the checks of its tasks."""
     results = tuple(
         judge_task(task, *catalog.points(task), [one for one in run.runs if one.evidence.task == task.id])

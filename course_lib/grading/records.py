@@ -28,9 +28,10 @@ import msgspec
 from course_lib.course.course_file import Counts, LatePolicy
 from course_lib.errors import format_count
 from course_lib.files import write_atomically
+from course_lib.grading.evidence import Evidence
 from course_lib.grading.store import result_path
 from course_lib.grading.submissions.notebook import Notebook
-from course_lib.grading.task import Row
+from course_lib.grading.task import Row, Scenario
 from course_lib.third_party import read_json
 
 # The structure of a result's file. Files of the kit up to 0.3 have no version, and all fields in
@@ -205,6 +206,15 @@ class Submission:
             notes.append(f"not collected: {', '.join(self.refused)}")
         notes += self.received.notes
         return [*notes, self.id_note] if self.id_note else notes
+
+
+@dataclass(frozen=True)
+class Run:
+    """A scenario and the evidence of its run."""
+
+    scenario: Scenario
+    evidence: Evidence
+    hidden: bool = False
 
 
 @dataclass(frozen=True)

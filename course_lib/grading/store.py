@@ -10,13 +10,15 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import course_lib
 from course_lib.course.state import exercises_dir, solutions_dir
 from course_lib.errors import CourseError
-from course_lib.grading.jail.filters import Need
 from course_lib.grading.task import Catalog, load_catalog
+
+if TYPE_CHECKING:
+    from course_lib.grading.jail.filters import Need
 
 LOCK, MARKS_LOCK = ".lock", ".marks.lock"
 # Marks are not included: they have their own lock.
@@ -37,7 +39,7 @@ class Course:
 
     exercises: Path
     solutions: Path
-    sandbox: Need = "partial"
+    sandbox: "Need" = "partial"
     private_folders: tuple[Path, ...] = ()
 
     @property

@@ -18,9 +18,9 @@ from course_lib.export.module import Statement, collect_needed_statements, read_
 from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.inputs import build, personal_values
 from course_lib.grading.judge import judge_task
-from course_lib.grading.records import CheckResult
-from course_lib.grading.run.run import Job, Run, plan_scenarios, run_scenarios
-from course_lib.grading.run.submission_run import INPUT_NODE, SET_PARAMETERS, rejection_reasons
+from course_lib.grading.records import CheckResult, Run
+from course_lib.grading.run.run import Job, plan_scenarios, run_scenarios
+from course_lib.grading.run.scenario import INPUT_NODE, SET_PARAMETERS, rejection_reasons
 from course_lib.grading.submissions.notebook import parse_notebook
 from course_lib.grading.submissions.submission import NO_EXERCISE, unpack
 from course_lib.grading.task import Catalog, Message, Scenario, Task, shipped_catalog

@@ -4,18 +4,12 @@ from collections.abc import Iterator, Sequence
 
 import pytest
 
-from course_lib.authoring.edits import (
-    Code,
-    Deletion,
-    deletions,
-    find_false_passes,
-    group_deletions,
-)
+from course_lib.authoring.edits import Code, Deletion, deletions, find_false_passes, group_deletions
 from course_lib.authoring.rehearsal import Rehearsal, RehearsalResult, rehearse
 from course_lib.grading import Call, Check, Scenario, Task, expect_value
 from course_lib.grading.judge import judge_task
-from course_lib.grading.run.run import Run
-from course_lib.grading.run.student_side import run_in_this_process
+from course_lib.grading.records import Run
+from course_lib.grading.run.scenario import run_in_this_process
 from course_lib.grading.store import catalog_of, this_course
 
 HINTS = ("one", "two", "three")

@@ -8,7 +8,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from course_lib.grading import expect_fact, expect_level, expect_levels
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import judge_task
-from course_lib.grading.run.run import Run
+from course_lib.grading.records import Run
 from course_lib.grading.task import Scenario, Task
 from course_lib.grading.vocabulary.topics import DIGESTS, TOOLS, digest
 

@@ -3,14 +3,7 @@ from typing import Any
 
 import pytest
 
-from course_lib.grading.run.submission_run import (
-    ALL,
-    MOST_FIELDS,
-    POINT_CLOUD,
-    ROOM,
-    ImageLimit,
-    _count_fields,
-)
+from course_lib.grading.run.scenario import ALL, MOST_FIELDS, POINT_CLOUD, ROOM, ImageLimit, _count_fields
 from course_lib.ros.graph.graph import Sample
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import deserialize, message_class, serialize

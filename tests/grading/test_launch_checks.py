@@ -18,7 +18,7 @@ from course_lib.grading import (
     expect_transform,
 )
 from course_lib.grading.run.run import Job, plan_scenarios, run_scenarios
-from course_lib.grading.run.student_side import run_in_this_process
+from course_lib.grading.run.scenario import run_in_this_process
 from course_lib.grading.task import shipped_catalog
 
 HINTS = ("one", "two", "three")

@@ -17,7 +17,7 @@ from course_lib.grading import (
 from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.inputs import header, pose, transforms
 from course_lib.grading.judge import judge_task
-from course_lib.grading.run.run import Run
+from course_lib.grading.records import Run
 from course_lib.grading.task import Message
 from course_lib.grading.vocabulary.files import MAX_TEXT
 

@@ -11,8 +11,7 @@ from course_lib.course.state import exercises_dir, solutions_dir
 from course_lib.grading import Check, Scenario, expect_circle, expect_marker, expect_marker_count, my
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import judge_task
-from course_lib.grading.records import TaskResult
-from course_lib.grading.run.run import Run
+from course_lib.grading.records import Run, TaskResult
 from course_lib.grading.task import Task, load_catalog
 from course_lib.ros.graph.graph import START_NS, Sample
 from course_lib.ros.graph.topics import Qos

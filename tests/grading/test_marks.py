@@ -15,13 +15,13 @@ from course_lib.grading.records import (
     Mark,
     ReceiptTime,
     Result,
+    Run,
     Submission,
     TaskResult,
     count_days_late,
 )
 from course_lib.grading.reports.table import escape_formula
 from course_lib.grading.reports.tables import write_gradebook
-from course_lib.grading.run.run import Run
 from course_lib.grading.task import Scenario, Task
 
 PARIS = ZoneInfo("Europe/Paris")

@@ -12,7 +12,8 @@ from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.launch import JailEnvironment, TemplateProcess, WorkerError, works
 from course_lib.grading.jail.template import enter_jail
 from course_lib.grading.run import worker
-from course_lib.grading.run.submission_run import ALL, SubmissionRun
+from course_lib.grading.run.scenario import ALL
+from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.task import Call, Scenario, Task
 from course_lib.ros.time.interrupts import Watch
 

@@ -17,8 +17,7 @@ from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import set_parameters
 from course_lib.grading.run.outcome import RAISED
 from course_lib.grading.run.run import Job, Step, _job_fields
-from course_lib.grading.run.student_side import run_in_this_process
-from course_lib.grading.run.submission_run import rejection_reasons
+from course_lib.grading.run.scenario import rejection_reasons, run_in_this_process
 from course_lib.grading.task import Call, Kind, Message, Scenario, Task, my
 
 # The exception that ends a runaway thread; no others are raised in threads here.

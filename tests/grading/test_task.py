@@ -5,7 +5,7 @@ import pytest
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.judge import judge_task
-from course_lib.grading.run.run import Run
+from course_lib.grading.records import Run
 from course_lib.grading.task import Message, Row, Scenario, Task, my, resolve
 
 HINTS = ("one", "two", "three")

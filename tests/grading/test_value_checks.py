@@ -7,7 +7,7 @@ import pytest
 from course_lib.grading import expect_text, expect_value
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.run.outcome import RAISED, is_plain, plain
-from course_lib.grading.run.student_side import run_in_this_process
+from course_lib.grading.run.scenario import run_in_this_process
 from course_lib.grading.task import Call, Scenario, Task
 
 MakeEvidence = Callable[..., Evidence]

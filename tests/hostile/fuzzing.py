@@ -12,9 +12,11 @@ from course_lib.grading import expect_marker, expect_rate, expect_value
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.filters import Isolation
 from course_lib.grading.judge import judge_task
+from course_lib.grading.records import Run
 from course_lib.grading.run.outcome import Outcome
-from course_lib.grading.run.run import ExerciseRun, Run, Step, pack, unpack
-from course_lib.grading.run.submission_run import CellLog, ScenarioGraph, _drive
+from course_lib.grading.run.run import ExerciseRun, Step, pack, unpack
+from course_lib.grading.run.scenario import ScenarioGraph
+from course_lib.grading.run.submission_run import CellLog, _drive
 from course_lib.grading.task import Call, Scenario, Task
 from course_lib.ros.graph.remote import Channel, ChannelError, RecordingBudget
 from course_lib.ros.graph.topics import Qos

@@ -10,7 +10,8 @@ from course_lib.course.state import exercises_dir, solutions_dir
 from course_lib.grading.evidence import Check, Evidence, all_checks
 from course_lib.grading.inputs import header, pose, transforms
 from course_lib.grading.judge import CHECK_SECONDS
-from course_lib.grading.run.run import Job, Run, plan_scenarios, run_scenarios
+from course_lib.grading.records import Run
+from course_lib.grading.run.run import Job, plan_scenarios, run_scenarios
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.submissions.notebook import parse_notebook
 from course_lib.grading.task import Message, load_catalog, time_limit

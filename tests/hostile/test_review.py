@@ -14,9 +14,9 @@ from course_lib.errors import CourseError
 from course_lib.grading import expect_marker, expect_parameters, judge
 from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.judge import judge_task
+from course_lib.grading.records import Run
 from course_lib.grading.reports.scenes import figures, recording_with_inputs
 from course_lib.grading.run.outcome import MAX_TEXT, is_plain
-from course_lib.grading.run.run import Run
 from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.submissions.archives import MAX_WORKING_BYTES, working_files
 from course_lib.grading.submissions.submission import find_submissions

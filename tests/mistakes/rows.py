@@ -25,10 +25,10 @@ from course_lib.errors import CourseError
 from course_lib.grading.advice import Advice
 from course_lib.grading.check import table_of
 from course_lib.grading.judge import judge_task
+from course_lib.grading.records import Run
 from course_lib.grading.reports.table import ALL_PASSED, FOR_A_PERSON
 from course_lib.grading.run.outcome import describe
-from course_lib.grading.run.run import Run
-from course_lib.grading.run.submission_run import ScenarioGraph
+from course_lib.grading.run.scenario import ScenarioGraph
 from course_lib.grading.task import Task
 from tests.mistakes.cells import CELLS, LESSONS, lesson_mistakes, seen_in_cell
 from tests.notebooks.graded import STUDENT, WEEKS, catalog, cells_of, defined, evidence_here, solution
@@ -137,7 +137,7 @@ def seen(mistake: Mistake) -> list[str]:
         except (Exception, SystemExit) as error:
             return [describe(error)]
         small = partial(ScenarioGraph, room=EVIDENCE_LIMIT)
-        with patch("course_lib.grading.run.student_side.ScenarioGraph", small):
+        with patch("course_lib.grading.run.scenario.ScenarioGraph", small):
             runs = [Run(one, evidence_here(task, one, namespace, WALL_LIMIT)) for one in task.scenarios]
     result = judge_task(task, *catalog().points(task), runs)
     shown = str(table_of(task, result, [run.evidence for run in runs], STUDENT, Advice(), mistake.code))

@@ -13,9 +13,9 @@ from course_lib.course.state import exercises_dir, solutions_dir
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import personal_values, set_values
 from course_lib.grading.judge import judge
-from course_lib.grading.records import Judgement
-from course_lib.grading.run.run import Job, Run, plan_scenarios, run_scenarios
-from course_lib.grading.run.student_side import run_in_this_process
+from course_lib.grading.records import Judgement, Run
+from course_lib.grading.run.run import Job, plan_scenarios, run_scenarios
+from course_lib.grading.run.scenario import run_in_this_process
 from course_lib.grading.task import Catalog, Scenario, Task, load_catalog
 
 WEEKS = sorted(path.name[:6] for path in solutions_dir().glob("week*_solution.ipynb"))

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from course_lib.grading.judge import judge_task
-from course_lib.grading.run.run import Run
+from course_lib.grading.records import Run
 from course_lib.grading.task import Task
 from tests.notebooks.graded import (
     IN_PROCESS,

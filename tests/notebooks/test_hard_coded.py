@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from course_lib.grading.judge import judge_task
-from course_lib.grading.run.run import Run
+from course_lib.grading.records import Run
 from course_lib.grading.task import Scenario, Task, resolve
 from course_lib.ros.graph.graph import START_NS
 from tests.notebooks.graded import catalog, judged, run_of, solution

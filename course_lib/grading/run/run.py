@@ -23,6 +23,7 @@ from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import personal_values
 from course_lib.grading.jail.filters import Isolation, Need
 from course_lib.grading.jail.launch import KilledStartError, WorkerError, shared_template
+from course_lib.grading.records import Run
 from course_lib.grading.run.outcome import Usage
 from course_lib.grading.run.submission_run import CellLog, SubmissionRun
 from course_lib.grading.store import evidence_path, usage_path, writing
@@ -48,15 +49,6 @@ class Step:
         """Return the step without checks and expected messages, which only the judge needs."""
         task = replace(self.task, scenarios=(), ghost=())
         return Step(task, replace(self.scenario, checks=()), self.hidden)
-
-
-@dataclass(frozen=True)
-class Run:
-    """A scenario and the evidence of its run."""
-
-    scenario: Scenario
-    evidence: Evidence
-    hidden: bool = False
 
 
 @dataclass(frozen=True)

@@ -10,21 +10,16 @@ submission's limits.
 """
 
 import os
-import pickle
-import struct
 import threading
-from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
+from dataclasses import dataclass, field
 from pathlib import Path
 from select import select
 from typing import Any
 
 from course_lib.course.course_file import Limits
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.inputs import build
 from course_lib.grading.jail.filters import descendants
 from course_lib.grading.jail.launch import (
     PIPE_HOLDS,
@@ -40,15 +35,12 @@ from course_lib.grading.run.outcome import (
     Outcome,
     Usage,
     is_plain,
-    plain,
     size_of,
     still_running_message,
 )
-from course_lib.grading.task import Message, Scenario, Task, resolve
+from course_lib.grading.run.scenario import MOST_EVIDENCE, ScenarioGraph
+from course_lib.grading.task import Scenario, Task
 from course_lib.ros.graph import remote
-from course_lib.ros.graph.graph import START_NS, Graph, Sample
-from course_lib.ros.graph.topics import OWN_TOPICS, SERVICE_HEADER, SERVICE_TOPICS, Qos
-from course_lib.ros.messages import deserialize, message_class, serialize
 from course_lib.ros.time import wall
 
 MAX_EXTENSION = 9.0  # maximum extension of a limit, as a multiple of it
@@ -236,201 +228,6 @@ class Output:
         self._kept += chunk[:room]
         self._is_truncated = self._is_truncated or len(chunk) > room
         return len(chunk)
-
-
-INPUT_NODE = "scenario"
-POINT_CLOUD = "sensor_msgs/msg/PointCloud2"
-SET_PARAMETERS = "rcl_interfaces/srv/SetParameters"
-NO_NODE = "Node not found:"
-# MOST_INPUTS serialized inputs are cached; an input larger than LARGE bytes is not.
-MOST_INPUTS, LARGE = 2048, 10_000
-MOST_REJECTIONS = 10  # per scenario
-LONGEST_REASON = 200  # characters
-MOST_EVIDENCE = 32 * 2**20  # [B] per submission; correct solutions of all weeks take 1.2 MB
-SAMPLE_BYTES = 200  # [B] memory of a sample in addition to its message
-ROOM = 4 << 20  # [B] limit on images per topic
-ALL = 8 << 20  # [B] limit on the images of all topics
-MOST_FIELDS = 256  # fields of a point cloud
-
-
-@dataclass(frozen=True)
-class Instructions:
-    """The part of a scenario that is sent to the student's side: kind of the task, seed, calls."""
-
-    kind: str
-    seed: int
-    calls: Sequence[tuple[Sequence[Any], dict[str, Any]]] = ()
-
-
-class ScenarioGraph:
-    """The graph of one scenario, with its inputs and a recorder of the student's messages.
-
-    Args:
-        task: The task of the scenario.
-        scenario: The scenario to run.
-        personal: The student's personal values.
-        room: Maximum size of the recorded evidence [B].
-    """
-
-    def __init__(
-        self,
-        task: Task,
-        scenario: Scenario,
-        personal: Mapping[str, Any],
-        room: float = MOST_EVIDENCE,
-    ) -> None:
-        self._task, self._scenario, self._personal = task, scenario, personal
-        self.seconds = scenario.seconds
-        self.graph = Graph(end_ns=START_NS + round(scenario.seconds * 1e9))
-        self._input_node = self.graph.add_node(INPUT_NODE, "/")
-        self._samples: list[Sample] = []
-        self._rejections: list[str] = []
-        self._images = ImageLimit(min(ALL, room / 2))
-        self._room, self.kept = room, 0  # [B]
-        self.graph.tap(self._record)
-        for message in scenario.inputs:
-            is_request = "/srv/" in message.type_name
-            if is_request:
-                prefix, suffix = SERVICE_TOPICS[0]
-                topic, type_name = f"{prefix}{message.topic}{suffix}", f"{message.type_name}_Request"
-                message = replace(message, topic=topic, type_name=type_name)
-            fields = pickle.dumps(resolve(message.fields, personal))
-            serialize_fields = _serialize_input if len(fields) < LARGE else _serialize_input.__wrapped__
-            cdr = serialize_fields(message.topic, message.type_name, fields)
-            qos = Qos(reliability="best_effort" if message.best_effort else "reliable")
-            endpoint = self.graph.add_publisher(self._input_node, message.topic, message.type_name, qos)
-            publish = partial(
-                self.graph.publish, endpoint, SERVICE_HEADER.pack(endpoint, 1) * is_request + cdr
-            )
-            due_ns = START_NS + round(message.at * 1e9)
-            if is_request:
-                publish = partial(self._request, publish, message)
-            self.graph.call_at(due_ns, publish, node=self._input_node, entity=endpoint)
-        parameter_services = {one.topic for one in scenario.inputs if one.type_name == SET_PARAMETERS}
-        for service in sorted(parameter_services):
-            self._record_rejections(service)
-        calls = [plain(resolve((call.args, call.kwargs), personal)) for call in scenario.calls]
-        self.instructions = Instructions(task.kind, scenario.seed, calls)
-
-    def evidence(self, outcome: Outcome, *, output: str = "", stopped: str = "") -> Evidence:
-        """Return the evidence with the messages recorded so far."""
-        # A node that has failed is missing anyway.
-        rejections = [text for text in self._rejections if not outcome.errors or NO_NODE not in text]
-        return Evidence(
-            task=self._task.id,
-            scenario=self._scenario.name,
-            seconds=self._scenario.seconds,
-            samples=tuple(self._samples),
-            returns=tuple(outcome.returns),
-            output="".join(rejections) + output,
-            errors=tuple(outcome.errors),
-            stopped=stopped,
-            personal=self._personal,
-        )
-
-    def keep(self, size: int) -> None:
-        """Charge further bytes of evidence.
-
-        Raises:
-            MemoryLimitError: The evidence exceeds its limit.
-        """
-        if self.kept + size > self._room:
-            raise remote.MemoryLimitError(
-                "messages and returned values exceed the limit of a submission "
-                f"({MOST_EVIDENCE // 2**20} MB for all of its tasks), so it was stopped"
-            )
-        self.kept += size
-
-    def _request(self, publish: Callable[[], None], message: Message) -> None:
-        """Send a request, or record what `ros2 param set` prints if the node does not exist."""
-        publish()
-        node, _, service = message.topic.removeprefix(SERVICE_TOPICS[0][0]).rpartition("/")
-        is_served = any(one.kind == "sub" for one in self.graph.endpoints_on(message.topic))
-        if not is_served and service.startswith("set_parameters"):
-            texts = [f"At {message.at:.2f} s: {NO_NODE} {node}\n"]
-            self._rejections += texts[: MOST_REJECTIONS - len(self._rejections)]
-
-    def _record_rejections(self, service: str) -> None:
-        """Record the text that `ros2 param set` would print for a rejected parameter."""
-
-        def on_response(data: bytes, source_ns: int, _: int) -> None:
-            seconds, reasons = (source_ns - START_NS) * 1e-9, rejection_reasons(data[SERVICE_HEADER.size :])
-            messages = [f"At {seconds:.2f} s: Setting parameter failed: {reason}\n" for reason in reasons]
-            self._rejections += messages[: MOST_REJECTIONS - len(self._rejections)]
-
-        prefix, suffix = SERVICE_TOPICS[1]
-        topic = f"{prefix}{service}{suffix}"
-        self.graph.add_subscription(
-            self._input_node, 0, topic, f"{SET_PARAMETERS}_Response", Qos(), on_response
-        )
-
-    def _record(self, sample: Sample) -> None:
-        # /rosout contains file names, which differ from process to process for cells.
-        if sample.node != self._input_node and sample.topic not in OWN_TOPICS:
-            limit_size = self._images.limit_size(sample)
-            self.keep(len(limit_size.cdr) + SAMPLE_BYTES)
-            self._samples.append(limit_size)
-
-
-@lru_cache(maxsize=MOST_INPUTS)
-def _serialize_input(topic: str, type_name: str, fields: bytes) -> bytes:
-    """Return the bytes of an input message.
-
-    Building one takes ten times as long as pickling its fields.
-    """
-    return serialize(build(Message(topic, type_name, pickle.loads(fields)), {}))
-
-
-def rejection_reasons(cdr: bytes) -> list[str]:
-    """Return the reasons for rejecting parameters in a reply from a student's node."""
-    try:
-        reply: Any = deserialize(cdr, message_class(f"{SET_PARAMETERS}_Response"))
-    except Exception:
-        # The bytes come from a student's process and need not be a valid message.
-        return []
-    reasons = [result.reason or "(no reason)" for result in reply.results if not result.successful]
-    return [reason[:LONGEST_REASON] for reason in reasons[:MOST_REJECTIONS]]
-
-
-class ImageLimit:
-    """A limit on the size of images in the evidence, per topic and in total."""
-
-    def __init__(self, most: float = ALL) -> None:
-        self._max_bytes = most
-        self._bytes_by_topic = Counter[str]()
-        self._kept_bytes = 0
-
-    def limit_size(self, sample: Sample) -> Sample:
-        """Return the sample, without its pixels if they exceed the limit."""
-        if sample.type_name not in remote.IMAGE_TYPES:
-            return sample
-        self._bytes_by_topic[sample.topic] += len(sample.cdr)
-        if self._bytes_by_topic[sample.topic] > ROOM or self._kept_bytes + len(sample.cdr) > self._max_bytes:
-            try:
-                if sample.type_name == POINT_CLOUD and _count_fields(sample.cdr) > MOST_FIELDS:
-                    raise ValueError("a point cloud with far too many fields")
-                message: Any = sample.message()
-            except Exception:
-                # The bytes come from a student's process and need not be a valid image.
-                return replace(sample, cdr=b"")
-            message.data = []
-            return replace(sample, cdr=serialize(message))
-        self._kept_bytes += len(sample.cdr)
-        return sample
-
-
-def _count_fields(cdr: bytes) -> int:
-    """Return the number of fields of a serialized point cloud.
-
-    Decoding would take 30 times its size.
-
-    The fields follow the encapsulation (4 bytes), the stamp (8), frame_id, padded to 4, and two
-    sizes.
-    """
-    order = "<" if cdr[1] else ">"
-    (frame_id,) = struct.unpack_from(f"{order}I", cdr, 12)
-    (count,) = struct.unpack_from(f"{order}I", cdr, 16 + -(-frame_id // 4) * 4 + 8)
-    return int(count)
 
 
 MOST_CPU = 1e6  # [s] plausible maximum of a scenario's CPU time

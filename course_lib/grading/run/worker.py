@@ -20,8 +20,7 @@ from course_lib.errors import CourseError
 from course_lib.grading.check import bind_only
 from course_lib.grading.inputs import set_values
 from course_lib.grading.run.outcome import NOT_DEFINED, Outcome, describe
-from course_lib.grading.run.student_side import perform
-from course_lib.grading.run.submission_run import Instructions
+from course_lib.grading.run.scenario import Instructions, perform
 from course_lib.grading.task import ON_A_GRAPH
 from course_lib.ros.graph.graph import START_NS, Graph
 from course_lib.ros.graph.remote import Channel, ChannelClosedError, RemoteGraph
@@ -45,7 +44,7 @@ USUAL = (
     "std_msgs.msg", "visualization_msgs.msg", "sensor_msgs.msg", "nav_msgs.msg", "vision_msgs.msg",
     "diagnostic_msgs.msg", "tf2_ros", "launch_ros.actions", "asyncio", "yaml",
     "IPython.core.magics.extension", "course_lib.extension", "course_lib.displays.viewer",
-    "course_lib.grading.run.student_side", "course_lib.tools.notebook", "pygments.formatters.terminal256",
+    "course_lib.grading.run.scenario", "course_lib.tools.notebook", "pygments.formatters.terminal256",
 )  # fmt: skip
 # Types that most nodes publish, or the kit itself; nested types are compiled with them.
 SENT = (
