@@ -48,6 +48,7 @@ from course_lib.viewer.drawables import (
     Text,
     load_mesh,
 )
+from course_lib.viewer.encoding import missing_characters
 
 SOLIDS: dict[int, Shape] = {1: "box", 2: "sphere", 3: "cylinder"}
 _FLAT: tuple[Level, str] = ("warn", "Scale of 0 in one of x/y/z")
@@ -280,6 +281,8 @@ DRAW: Mapping[int, Callable[[Any], MarkerDrawing]] = {
 
 # RViz does not draw type 12.
 _TEXT, _MESH, _TRIANGLES = 9, 10, 11
+# The number of characters of a text that are looked up in the fonts.
+_MOST_CHARACTERS = 100
 # A number of points that takes 0.1 s to create and 0.1 s to draw.
 _MANY = 100_000
 _LISTS = (LINE_STRIP, LINE_LIST, 6, 7, POINTS)
@@ -294,7 +297,8 @@ class Rule(NamedTuple):
 
 def hints(marker: Any) -> tuple[str, ...]:
     """Return the hints about a marker."""
-    format_values = {"m": marker, "q": marker.pose.orientation, "n": len(marker.points)}
+    boxes = missing_characters(marker.text[:_MOST_CHARACTERS]) if marker.type == _TEXT else ""
+    format_values = {"m": marker, "q": marker.pose.orientation, "n": len(marker.points), "boxes": boxes}
     return tuple(rule.text.format(**format_values) for rule in _RULES if rule.holds(marker))
 
 
@@ -318,6 +322,10 @@ _RULES = (
     Rule(
         lambda m: not 0 <= m.type <= _TRIANGLES,
         "RViz2 cannot draw type {m.type}: it logs 'Unknown marker type: {m.type}' and draws nothing.",
+    ),
+    Rule(
+        lambda m: m.type == _TEXT and bool(missing_characters(m.text[:_MOST_CHARACTERS])),
+        "No font here has the characters {boxes!r}, so boxes are drawn. Write the text in Latin letters.",
     ),
     Rule(
         lambda m: _uses_own_color(m) and m.color.a == 0.0,

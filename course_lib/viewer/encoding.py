@@ -174,11 +174,19 @@ def rasterize(text: str) -> Glyphs:
 def _font_for(text: str) -> ImageFont.FreeTypeFont:
     """Return RViz's own font or, for characters it lacks, the font with the widest coverage."""
     fonts = _fonts()
-    for font in fonts:
-        missing = bytes(font.getmask("\uffff"))
-        if not any(bytes(font.getmask(sign)) == missing for sign in set(text) if sign.isprintable()):
-            return font
-    return fonts[-1]
+    return next((font for font in fonts if not _missing_in(font, text)), fonts[-1])
+
+
+@lru_cache(maxsize=512)
+def missing_characters(text: str) -> str:
+    """Return the characters for which `rasterize` draws boxes, because no font has them."""
+    return _missing_in(_font_for(text), text)
+
+
+def _missing_in(font: ImageFont.FreeTypeFont, text: str) -> str:
+    box = bytes(font.getmask("\uffff"))
+    characters = dict.fromkeys(character for character in text if character.isprintable())
+    return "".join(character for character in characters if bytes(font.getmask(character)) == box)
 
 
 @cache

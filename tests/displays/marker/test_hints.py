@@ -27,6 +27,11 @@ SILENT: dict[str, tuple[int, dict[str, Any], str]] = {
     "too many points": (Marker.POINTS, {"points": TWO * 50_001}, "100,002 points make every message slow"),
     "no points": (Marker.SPHERE_LIST, {}, "points is empty"),
     "text without height": (Marker.TEXT_VIEW_FACING, {"text": "hi", "scale": FLAT}, "height of the letters"),
+    "text without glyphs": (
+        Marker.TEXT_VIEW_FACING,
+        {"text": "ロボット 1"},
+        "characters 'ロボット', so boxes",
+    ),
     "no text": (Marker.TEXT_VIEW_FACING, {}, "text is empty"),
     "no mesh": (Marker.MESH_RESOURCE, {}, "mesh_resource is empty"),
     "texture": (Marker.TRIANGLE_LIST, {"points": THREE, "texture_resource": "embedded://a"}, "textures"),
@@ -48,6 +53,7 @@ FINE: dict[str, tuple[int, dict[str, Any]]] = {
         {"color": ColorRGBA(), "mesh_resource": "file:///a.dae", "mesh_use_embedded_materials": True},
     ),
     "rounded rotation": (Marker.CUBE, {"pose": Pose(orientation=Quaternion(z=0.7071, w=0.7071))}),
+    "accents and Arabic": (Marker.TEXT_VIEW_FACING, {"text": "Zoë روبوت"}),
     "colours of a cube": (Marker.CUBE, {"colors": [RED]}),
 }
 
