@@ -28,10 +28,12 @@ from course_lib.grading.node_slips import find_growing_list, find_slip
 from course_lib.grading.records import TaskResult
 from course_lib.grading.run.scenario import NO_NODE
 from course_lib.grading.slips import IN_PLACE, Function, find_hidden_error, parse
-from course_lib.grading.task import HINTS, Task
+from course_lib.grading.task import HINTS, Task, resolve
 from course_lib.ros.messages import to_plain
 
 MAX_PLACES = 3
+# The maximum length of a call that is shown below failed checks, in characters.
+LONGEST_CALL = 100
 FILL_IN = (
     "Your code still stops at the line with raise NotImplementedError. Replace it with your own "
     "lines, or delete it when they are there, then check again."
@@ -112,7 +114,7 @@ class Advice:
             lines = [FILL_IN]
         elif task.scenarios and not result.passed:
             hints = self.hint(task, result, source)
-            lines = (
+            causes = (
                 parameter_order_hint(task, source)
                 or missing_return_hint(task, evidence, source)
                 or wrong_type_hint(evidence)
@@ -120,6 +122,7 @@ class Advice:
                 or missing_node_hint(evidence, source)
                 or [*nan_hint(evidence), *hints]
             )
+            lines = [*call_note(task, result, evidence), *causes]
         if task.personal and student is None:
             lines = [*lines, NO_ID.format(first_lesson())]
         return [*lines, *large_message_hint(evidence), *best_effort_hint(evidence)]
@@ -371,6 +374,35 @@ def _hint_by_cause(task: Task, mistake: str) -> str:
         mistake = mistake.partition(": the ")[0]
     general = table.get(mistake) or next((table[kind] for kind in table if fnmatchcase(mistake, kind)), "")
     return task.mistakes.get(mistake) or general
+
+
+def call_note(task: Task, result: TaskResult, evidence: Sequence[Evidence]) -> list[str]:
+    """Return a line with the call whose return value the first failed check judges.
+
+    Students can run it in a cell of their own. A long call would hide the hints.
+    """
+    runs = zip(task.scenarios, evidence, strict=True)
+    checks = [(scenario, run, check) for scenario, run in runs for check in scenario.checks]
+    for (scenario, run, check), outcome in zip(checks, result.checks, strict=True):
+        if outcome.passed or task.kind != "function" or check.origin is None:
+            continue
+        index = check.origin.arguments.get("call")
+        if index is None or not (scenario.calls[index].args or scenario.calls[index].kwargs):
+            return []
+        args, kwargs = resolve((scenario.calls[index].args, scenario.calls[index].kwargs), run.personal)
+        keywords = [f"{name}={_as_code(value)}" for name, value in kwargs.items()]
+        call = f"{task.name}({', '.join([*map(_as_code, args), *keywords])})"
+        return [f"The first failed check calls {call}"] if len(call) <= LONGEST_CALL else []
+    return []
+
+
+def _as_code(value: Any) -> str:
+    """Return a plain value as Python writes it, with at most four decimals."""
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_as_code, value))}]"
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{key!r}: {_as_code(item)}' for key, item in value.items())}}}"
+    return repr(round(value, 4) if isinstance(value, float) else value)
 
 
 def missing_return_hint(task: Task, evidence: Iterable[Evidence], source: str = "") -> list[str]:

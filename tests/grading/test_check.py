@@ -12,13 +12,14 @@ import course_lib.grading.check as check_module
 from course_lib.course.exercise import read_notebook, source
 from course_lib.course.state import exercises_dir, student_state
 from course_lib.errors import CourseError
-from course_lib.grading import inputs
-from course_lib.grading.advice import Advice
+from course_lib.grading import expect_value, inputs, my
+from course_lib.grading.advice import Advice, call_note
 from course_lib.grading.check import CheckFailedError, check, next_step
+from course_lib.grading.evidence import Evidence
 from course_lib.grading.records import CheckResult, TaskResult
 from course_lib.grading.reports.table import Table
 from course_lib.grading.store import Course
-from course_lib.grading.task import Row, load_catalog, shipped_catalog
+from course_lib.grading.task import Call, Row, Scenario, Task, load_catalog, shipped_catalog
 
 
 @pytest.fixture(autouse=True)
@@ -280,3 +281,36 @@ def test_nan_is_reported_with_its_location(
     assert place in capsys.readouterr().out
     check("week01.half", lambda length: [1.0, float("nan")])
     assert "NaN (not a number): the returned value[1]. Is it" in capsys.readouterr().out
+
+
+def test_failed_check_of_a_function_shows_its_call(capsys: pytest.CaptureFixture[str]) -> None:
+    check("week01.half", lambda length: length)
+    assert "The first failed check calls half(4.0)\n" in capsys.readouterr().out
+    check("week01.half", lambda length: length / 2)
+    assert "calls half" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("call", "shown"),
+    [
+        (
+            Call({"/scan": [(0.1234567, 400)]}, ends=[1, True]),
+            "f({'/scan': [[0.1235, 400]]}, ends=[1, True])",
+        ),
+        (Call(my("n")), "f(20)"),
+        (Call([0.25] * 20), None),
+        (Call(), None),
+    ],
+)
+def test_call_of_the_first_failed_check_is_shown_unless_it_is_long_or_has_no_arguments(
+    call: Call, shown: str | None
+) -> None:
+    checks = (expect_value(1, call=0), expect_value(2, call=1))
+    scenario = Scenario("public", calls=(Call(1), call), checks=checks)
+    personal = {"n": (20,)}
+    task = Task("week01.t", "T", "function", "f", ("1", "2", "3"), (scenario,), personal=personal)
+    outcomes = [CheckResult("", "public", False, 1.0, score, "", "") for score in (1.0, 0.0)]
+    result = TaskResult(task.id, "T", 1.0, False, tuple(outcomes))
+    evidence = Evidence(task.id, "public", 1.0, personal={"n": 20})
+    expected = [] if shown is None else [f"The first failed check calls {shown}"]
+    assert call_note(task, result, [evidence]) == expected
