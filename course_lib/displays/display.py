@@ -414,7 +414,7 @@ class TopicDisplay(Display):
 
     Most displays filter their messages: a message waits in a queue until tf2 knows the frame of its
     header at its stamp, like in RViz's MessageFilterDisplay. Other displays process each message on
-    arrival, like RViz's RosTopicDisplay; these have an empty `queue_label`.
+    arrival, like RViz's RosTopicDisplay; these have a `queue_length` of 0.
     """
 
     type_name: ClassVar[str]
@@ -496,20 +496,25 @@ class TopicDisplay(Display):
 
         If the queue is full the oldest message is dropped, as is one that is older than the cache of tf2.
         """
-        if not self.queue_label or not hasattr(message, "header"):
+        if not self.queue_length or not hasattr(message, "header"):
             self._accept(message, self.context.now_ns)
         elif not message.header.frame_id.removeprefix("/"):
             self._drop(message, "the frame id of the message is empty")
         else:
             self._waiting.append((self.context.now_ns, message))
             self._process_queue()
-            if len(self._waiting) > self[self.queue_label]:
+            if len(self._waiting) > self.queue_length:
                 self._drop(self._waiting.popleft()[1], "discarding message because the queue is full")
 
     def update(self) -> None:
         """Process the queued messages whose transform is known by now."""
-        if self.queue_label:
+        if self.queue_length:
             self._process_queue()
+
+    @property
+    def queue_length(self) -> int:
+        """The number of messages that wait for tf2; 0 without a message filter."""
+        return int(self[self.queue_label]) if self.queue_label else 0
 
     def count_status(self, what: str = "messages") -> str:
         """Return RViz's status with the number of messages and their rate."""

@@ -14,8 +14,6 @@ import numpy as np
 
 from course_lib.arrays import AnyArray, Bytes, Matrix, Pixels
 from course_lib.displays.display import (
-    FILTER_PROPERTIES,
-    QUEUE_LABEL,
     DrawnDisplay,
     Subscription,
     TopicDisplay,
@@ -260,10 +258,10 @@ class PictureDisplay(TopicDisplay):
         except ValueError as error:
             self.statuses.hint("Image", f"RViz's log: Error loading image: {error}")
         else:
-            self.show(downsample(pixels, _COLUMNS))
+            self.show(downsample(pixels, _COLUMNS), *pixels.shape[:2])
 
-    def show(self, pixels: Pixels) -> None:
-        """Show an image."""
+    def show(self, pixels: Pixels, rows: int, columns: int) -> None:
+        """Show an image, which had so many rows and columns before it was made smaller."""
         self.context.scene.set_object(f"{self.path}/picture", Inset(pixels))
 
     def limits(self, values: AnyArray) -> tuple[float, float]:
@@ -310,21 +308,24 @@ _EDGES = np.array([(0, 1), (0, 2), (0, 3), (0, 4), (1, 2), (2, 3), (3, 4), (4, 1
 _SIDES = np.array([(0, 2, 1), (0, 3, 2), (0, 4, 3), (0, 1, 4)])
 # The width of the edges [m].
 _WIDTH = 0.01
+# RViz accepts a far plane in front of the near plane at 0.01 m, which leaves nothing to draw [m].
+_NEAREST_FAR_PLANE = 0.02
 
 
 class CameraDisplay(PictureDisplay):
     """The scene as a camera sees it, with the camera's image behind it, over it, or both."""
 
-    queue_label = QUEUE_LABEL
     class_name = "rviz_default_plugins/Camera"
+    # RViz's message filter has a fixed length here, without a property.
+    queue_length = 10
     properties = (
-        *FILTER_PROPERTIES,
+        *PictureDisplay.properties,
         # The check boxes by display name. A display without an entry is enabled.
         Property("Visibility", {}, booleans),
         Property("Image Rendering", _BOTH, words(_BACK, _OVER, _BOTH)),
         Property("Overlay Alpha", 0.5, number(0.0, 1.0)),
         Property("Zoom Factor", 1.0, number(0.00001, 100000.0)),
-        Property("Far Plane Distance", 100.0, number(0.02, 100000.0)),  # [m]
+        Property("Far Plane Distance", 100.0, number(0.00001, 100000.0)),  # [m]
     )
     # The last CameraInfo.
     _info: Any = None
@@ -358,13 +359,13 @@ class CameraDisplay(PictureDisplay):
         info = Subscription(self.info_topic, INFO, qos, self._on_info, self.statuses)
         return (*super().make_subscriptions(), info)
 
-    def show(self, pixels: Pixels) -> None:
+    def show(self, pixels: Pixels, rows: int, columns: int) -> None:
         """Show the scene with an image."""
         level, text = self._info_problem()
         camera = None
         transform = None if text else self.transform_at(self.message.header)
         if transform is not None:
-            height, width = self._info.height or len(pixels), self._info.width or pixels.shape[1]
+            height, width = self._info.height or rows, self._info.width or columns
             camera = self._camera(transform, width, height)
             level, text = ("ok", "ok") if camera else ("error", _NO_POSITION)
         if text:
@@ -418,7 +419,7 @@ class CameraDisplay(PictureDisplay):
             up=tuple(-down),
             vertical_fov=2 * atan(height / 2 / fy / zoom),
             shift=((cx - width / 2) / height * fy / fx * zoom, (cy - height / 2) / height * zoom),
-            far=self["Far Plane Distance"],
+            far=max(self["Far Plane Distance"], _NEAREST_FAR_PLANE),
         )
 
 

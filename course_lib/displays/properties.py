@@ -252,7 +252,7 @@ class PropertyHolder(KnownAttributes):
     def describe(cls, prop: Property) -> str:
         """Return RViz's description of a property, or ""."""
         for kind in cls.__mro__:
-            texts = _descriptions().get(kind.__name__, {})
+            texts = descriptions().get(kind.__name__, {})
             if text := texts.get(prop.label) or texts.get(prop.path[-1]):
                 return text.replace("{type}", getattr(cls, "type_name", "")).lstrip()
         return ""
@@ -327,7 +327,7 @@ class PropertyHolder(KnownAttributes):
 
 
 @cache
-def _descriptions() -> Mapping[str, Mapping[str, str]]:
+def descriptions() -> Mapping[str, Mapping[str, str]]:
     """Return RViz's descriptions, by the name of a Python class and a label."""
     return tomllib.loads(Path(__file__).with_name("descriptions.toml").read_text("utf-8"))
 

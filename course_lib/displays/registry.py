@@ -36,7 +36,17 @@ from course_lib.displays.display import Context, Display, DrawnDisplay
 from course_lib.displays.interactive import InteractiveMarkersDisplay
 from course_lib.displays.map import MapDisplay
 from course_lib.displays.markers import MarkerArrayDisplay, MarkerDisplay
-from course_lib.displays.properties import Property, color, flag, integer, number, text, vector, words
+from course_lib.displays.properties import (
+    Property,
+    color,
+    descriptions,
+    flag,
+    integer,
+    number,
+    text,
+    vector,
+    words,
+)
 from course_lib.displays.robot_model import RobotModelDisplay
 from course_lib.displays.shapes import placement, rgba_of
 from course_lib.displays.tf import AxesDisplay, GridDisplay, TfDisplay
@@ -154,6 +164,13 @@ def known_name(class_name: str) -> str:
 def short_name(class_name: str) -> str:
     """Return a class name without its package, which RViz uses as the name of a new display."""
     return class_name.rpartition("/")[2]
+
+
+def describe_class(class_name: str) -> str:
+    """Return RViz's description of a display, or the first paragraph of a custom display's docstring."""
+    display = REGISTRY.get(class_name)
+    docstring = (display.__doc__ or "").strip().partition("\n\n")[0] if display else ""
+    return descriptions()["classes"].get(class_name, " ".join(docstring.split()))
 
 
 __all__ = [

@@ -316,7 +316,7 @@ class RangeDisplay(DrawnDisplay):
     properties = (
         *DrawnDisplay.properties,
         Property("Color", (255, 255, 255), color),
-        Property("Alpha", 0.5, number(0.0, 1.0)),
+        Property("Alpha", 0.5, number()),
         Property("Buffer Length", 1, integer(1)),
     )
     length_label = "Buffer Length"

@@ -58,6 +58,13 @@ class Bench:
         self.page.mouse.up()
         self.host.carry()
 
+    def hover(self, to: tuple[int, int]) -> None:
+        """Move the pointer to a point `right`, `up` pixels from the middle of the view."""
+        box = self.page.locator("canvas").bounding_box()
+        assert box is not None
+        self.page.mouse.move(box["x"] + box["width"] / 2 + to[0], box["y"] + box["height"] / 2 + to[1])
+        self.host.carry()
+
     def message(self, topic: str, kind: Any) -> Any:
         (sample,) = (sample for sample in self.heard if sample.topic == topic)
         return deserialize(sample.cdr, kind)

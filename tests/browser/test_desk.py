@@ -71,6 +71,9 @@ def test_displays_are_added_by_topic_of_the_running_graph_and_by_type(bench: Ben
     bench.press("Add a display")
     bench.choose("/others (visualization_msgs/msg/Marker) → Marker")
     bench.press("Add a display")
+    window = bench.page.get_by_role("dialog")
+    window.get_by_role("listbox").select_option(label="Axes")
+    assert "Displays an axis at the Target Frame's origin." in window.inner_text()
     bench.choose("Axes")
     assert [(d.name, d.class_name.partition("/")[2]) for d in bench.viewer.displays[before:]] == [
         ("Marker", "Marker"), ("Axes", "Axes"),

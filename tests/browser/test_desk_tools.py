@@ -68,6 +68,38 @@ def test_measure_tool_reports_the_distance(bench: Bench) -> None:
 
 
 @pytest.mark.slow
+def test_measure_tool_shows_the_distance_to_the_pointer_after_the_first_click(bench: Bench) -> None:
+    bench.page.locator("canvas").press("n")
+    bench.drag((0, 0))
+    notice = bench.page.locator(".course-notice")
+    assert "Length" not in notice.inner_text()
+    bench.hover((10, 0))
+    near = float(notice.inner_text().split("m]")[0].removeprefix("[Length: "))
+    bench.hover((30, 0))
+    assert float(notice.inner_text().split("m]")[0].removeprefix("[Length: ")) > 2 * near > 0
+
+
+@pytest.mark.slow
+def test_goal_keeps_its_direction_when_the_pointer_leaves_the_ground(bench: Bench) -> None:
+    bench.viewer.view = type(bench.viewer.view)(yaw=-1.5707963, pitch=0.1)  # the horizon is visible
+    bench.widget.flush()
+    bench.host.carry()
+    bench.page.locator("canvas").press("g")
+    bench.drag((0, 20), (0, 10), (0, -180))
+    turn = bench.message("/goal_pose", PoseStamped).pose.orientation
+    assert (turn.z, turn.w) == pytest.approx((0.5**0.5, 0.5**0.5), abs=0.02)
+
+
+@pytest.mark.slow
+def test_focus_tool_looks_in_the_direction_of_a_click_beside_all_objects(bench: Bench) -> None:
+    before = bench.viewer.view["Distance"]
+    bench.page.locator("canvas").press("c")
+    bench.drag((250, -130))
+    bench.host.wait_until(lambda: bench.viewer.view["Distance"] == pytest.approx(1.0))
+    assert before > 1
+
+
+@pytest.mark.slow
 def test_clicks_reach_python_and_the_canvas_has_a_text_description(bench: Bench) -> None:
     paths: list[str | None] = []
     bench.viewer.on_click(lambda click: paths.append(click.path))

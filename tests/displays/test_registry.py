@@ -1,7 +1,8 @@
 import pytest
 
 from course_lib.displays.display import Display
-from course_lib.displays.registry import PACKAGE, REGISTRY
+from course_lib.displays.properties import descriptions
+from course_lib.displays.registry import PACKAGE, REGISTRY, OwnDisplay, describe_class
 from course_lib.displays.views import VIEWS
 from tests.displays.bench import Bench
 
@@ -37,3 +38,20 @@ def test_each_property_of_rviz_has_its_description(name: str) -> None:
     kind = VIEWS.get(name) or REGISTRY[f"{PACKAGE}/{name}"]
     lacking = {prop.label for prop in kind.properties if not kind.describe(prop)}
     assert lacking <= NOT_DESCRIBED
+
+
+def test_each_display_class_has_the_description_of_rviz() -> None:
+    assert describe_class(f"{PACKAGE}/Path") == "Displays data from a nav_msgs::Path message as lines."
+    assert all(f"{PACKAGE}/{name}" in descriptions()["classes"] for name in CLASSES)
+
+
+def test_custom_display_is_described_by_its_docstring(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Battery(OwnDisplay):
+        """The charge, as a bar
+        above the robot.
+
+        More.
+        """
+
+    monkeypatch.setitem(REGISTRY, "my_robot/Battery", Battery)
+    assert describe_class("my_robot/Battery") == "The charge, as a bar above the robot."

@@ -28,7 +28,7 @@ from course_lib.displays.properties import (
     read_only,
     vector,
 )
-from course_lib.displays.registry import REGISTRY, short_name
+from course_lib.displays.registry import REGISTRY, describe_class, short_name
 from course_lib.displays.session import RvizSession
 from course_lib.displays.statuses import LEVELS, NOTES, Level, StatusRow, contained, describe
 from course_lib.displays.views import VIEWS, ViewController, view_of
@@ -545,7 +545,10 @@ class Desk:
             status=protocol.StatusLine(mark_of(level), status),
             notice=orders.notice,
             selection=orders.selection,
-            types=tuple(protocol.AddableType(name, short_name(name)) for name in (*sorted(REGISTRY), GROUP)),
+            types=tuple(
+                protocol.AddableType(name, short_name(name), describe_class(name))
+                for name in (*sorted(REGISTRY), GROUP)
+            ),
             topics=self._topics(),
             handles=tuple(display.handles for display in handles(session)),
             menu=orders.menu,

@@ -152,6 +152,8 @@ class AddableType(Message, frozen=True):
 
     name: str
     short: str
+    # What it draws, "" if it has no description.
+    about: str = ""
 
 
 class AddableTopic(Message, frozen=True, order=True):

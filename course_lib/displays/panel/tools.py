@@ -128,9 +128,9 @@ class SetInitialPose(SetGoal):
     type_name = "geometry_msgs/msg/PoseWithCovarianceStamped"
     properties = (
         *qos_properties("initialpose"),
-        Property("Covariance x", 0.25, number(0.0)),  # [m^2]
-        Property("Covariance y", 0.25, number(0.0)),  # [m^2]
-        Property("Covariance yaw", 0.06853891909122467, number(0.0)),  # [rad^2]; (pi / 12)^2 as float32
+        Property("Covariance x", 0.25, number()),  # [m^2]
+        Property("Covariance y", 0.25, number()),  # [m^2]
+        Property("Covariance yaw", 0.06853891909122467, number()),  # [rad^2]; (pi / 12)^2 as float32
     )
 
     def _fill(self, stamped: Message, point: Vector, yaw: float) -> None:

@@ -123,6 +123,7 @@ export interface Notice {
 export interface AddableType {
   name: string;
   short: string;
+  about?: string;
 }
 
 /** A topic, and a class of display for it. */

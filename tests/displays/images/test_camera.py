@@ -131,3 +131,35 @@ def test_compressed_image_uses_the_camera_info_of_the_raw_image() -> None:
         "rviz_default_plugins/Camera", "Camera", {"Topic": "/eye/image_raw/compressed"}
     )
     assert [s.topic for s in display.subscriptions] == ["/eye/image_raw/compressed", "/eye/camera_info"]
+
+
+def test_camera_has_no_filter_size_and_at_most_ten_images_wait_for_their_frame() -> None:
+    bench = Bench()
+    display = add(bench)
+    assert "Topic/Filter size" not in display.keys()
+    for _ in range(12):
+        assert show_inset(bench, info(), "optical") is None
+    hints = " ".join(bench.hints(display))
+    assert "10 messages waiting for tf2." in hints
+    assert "queue is full" in hints
+
+
+def test_size_missing_in_camera_info_is_that_of_the_whole_image() -> None:
+    bench = Bench()
+    add(bench)
+    described = info(fx=1000.0, fy=1000.0, cx=500.0, cy=3.0)
+    described.width = 0
+    inset = show_inset(bench, described, picture=image(np.zeros((HEIGHT, 1000, 3), np.uint8), "rgb8"))
+    assert inset is not None
+    assert inset.aspect == pytest.approx(1000 / HEIGHT)
+
+
+@pytest.mark.parametrize("distance", [0.001, 5.0])
+def test_far_plane_accepts_the_distances_of_rviz(distance: float) -> None:
+    bench = Bench()
+    display = add(bench, far_plane_distance=distance)
+    inset = show_inset(bench, info())
+    assert display["Far Plane Distance"] == distance
+    assert inset is not None
+    assert inset.camera is not None
+    assert inset.camera.far == max(distance, 0.02)

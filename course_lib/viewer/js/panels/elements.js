@@ -24,13 +24,14 @@ export const button = (content, name, onclick) =>
  * Show a small dialog with one field; Escape closes it.
  * @param {HTMLElement} host @param {string} title @param {any} field an input or a select element
  * @param {(value: string) => void} onConfirm called with the chosen value
+ * @param {HTMLElement[]} notes shown below the field
  */
-export function openDialog(host, title, field, onConfirm) {
+export function openDialog(host, title, field, onConfirm, ...notes) {
   field.ariaLabel = title;
   const confirm = createElement("button", { type: "submit", textContent: title });
   const cancel = createElement("button", { type: "button", textContent: "Cancel", onclick: () => dialog.close() });
   const buttons = createElement("div", {}, confirm, cancel);
-  const form = createElement("form", { method: "dialog" }, createElement("strong", {}, title), field, buttons);
+  const form = createElement("form", { method: "dialog" }, createElement("strong", {}, title), field, ...notes, buttons);
   const dialog = createElement("dialog", { ariaLabel: title }, form);
   dialog.onclose = () => dialog.remove();
   form.onsubmit = (/** @type {Event} */ event) => {

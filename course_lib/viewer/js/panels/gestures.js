@@ -10,7 +10,7 @@ const HINTS = {
   pose: "Click and drag to set position and orientation.",
   point: "Click on a point to publish it.",
   select: "Click on an object to see its message and frame.",
-  focus: "Click on a point to look at it.",
+  focus: "Click on a point to look at it, or beside all objects to look in that direction.",
   measure: "Click on two points to measure their distance. Right-click to reset.",
 };
 
@@ -36,6 +36,7 @@ export class Gestures {
     this.settings = { color: "#808000", single: true }; // RViz's, of Measure and of Publish Point
     /** @type {any} */
     this.start = null; // where an arrow or a line begins
+    this.yaw = 0; // [rad] of the arrow
     /** @type {any} */
     this.overlay = null; // shown over the scene
     view.handleByTool = (event) => this.onEvent(event);
@@ -56,7 +57,7 @@ export class Gestures {
     if (gesture === "camera" || !event.type.startsWith("pointer")) return false;
     if (gesture === "interact") return this.handles.length > 0 && this.interact(event);
     if (gesture === "pose") return this.pose(event);
-    if (event.type === "pointermove" && !event.buttons && gesture === "point") this.hover(event);
+    if (event.type === "pointermove" && !event.buttons) this.hover(event);
     if (gesture === "measure" && event.type === "pointerdown" && event.button === 2) this.useTool(this.tool);
     return false; // the view is turned, and reports clicks
   }
@@ -88,12 +89,13 @@ export class Gestures {
     const gesture = this.tool.gesture;
     if (isForCamera(gesture) || click.button !== 0) return !isForCamera(gesture);
     if (gesture === "select") this.select(click);
-    else if (!click.point) this.showHint("Nothing is there.");
-    else if (gesture === "measure") this.measure(click.point);
     else if (gesture === "focus") {
-      this.view.lookAt(click.point);
+      const { origin, direction } = click;
+      this.view.lookAt(click.point ?? origin.map((part, axis) => part + direction[axis])); // 1 m ahead
       this.selectFirstTool();
-    } else if (gesture === "point") {
+    } else if (!click.point) this.showHint("Nothing is there.");
+    else if (gesture === "measure") this.measure(click.point);
+    else if (gesture === "point") {
       this.act({ act: "PublishGesture", tool: this.tool.label, point: click.point });
       if (this.settings.single) this.selectFirstTool();
     }
@@ -110,19 +112,23 @@ export class Gestures {
   /** @param {number[]} point [m] */
   measure(point) {
     const to = new THREE.Vector3(...point);
-    if (!this.start) {
-      this.showOverlay(null);
-      this.start = to;
-      return this.showHint("[Length: 0.00m] Click on two points to measure their distance. Right-click to reset.");
-    }
-    this.drawLine(this.start, to);
-    this.showHint(`[Length: ${this.start.distanceTo(to).toFixed(2)}m] ${HINTS.measure}`);
-    this.start = null;
+    if (this.start) this.measureTo(to);
+    else this.showOverlay(null);
+    this.start = this.start ? null : to;
   }
 
-  /** @param {PointerEvent} event */
+  /** @param {any} end of the line [m] */
+  measureTo(end) {
+    this.drawLine(this.start, end);
+    this.showHint(`[Length: ${Number(this.start.distanceTo(end).toPrecision(6))}m] ${HINTS.measure}`);
+  }
+
+  /** @param {PointerEvent} event shows the point below the pointer, or the line to it */
   hover(event) {
+    const isMeasuring = this.tool.gesture === "measure" && this.start;
+    if (!isMeasuring && this.tool.gesture !== "point") return;
     const { point } = this.view.pick(event);
+    if (isMeasuring) return point && this.measureTo(new THREE.Vector3(...point));
     const text = point ? `[${point.map((/** @type {number} */ part) => part.toFixed(3)).join(", ")}]` : HINTS.point;
     this.showHint(text);
   }
@@ -131,15 +137,15 @@ export class Gestures {
   pose(event) {
     const ground = this.pointOnGround(event);
     if (event.type === "pointerdown" && event.button === 0 && !event.shiftKey) {
-      this.start = ground;
+      [this.start, this.yaw] = [ground, 0];
       this.view.canvas.setPointerCapture(event.pointerId);
       this.view.canvas.focus({ preventScroll: true });
     } else if (!this.start) return false;
-    const yaw = ground && this.start ? Math.atan2(ground.y - this.start.y, ground.x - this.start.x) : 0;
+    if (ground && this.start) this.yaw = Math.atan2(ground.y - this.start.y, ground.x - this.start.x);
     if (this.start && event.type === "pointerup") {
-      this.act({ act: "PublishGesture", tool: this.tool.label, point: this.start.toArray(), angle: yaw });
+      this.act({ act: "PublishGesture", tool: this.tool.label, point: this.start.toArray(), angle: this.yaw });
       this.selectFirstTool();
-    } else if (this.start) this.drawArrow(this.start, yaw);
+    } else if (this.start) this.drawArrow(this.start, this.yaw);
     event.preventDefault();
     return true;
   }

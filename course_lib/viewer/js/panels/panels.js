@@ -133,10 +133,17 @@ export class Panels {
   }
 
   add() {
-    this.addable = createElement("select", { size: 14 });
+    const about = createElement("p", { className: "course-about", id: `${this.id}about` });
+    this.addable = createElement("select", { size: 14, "aria-describedby": about.id });
+    this.addable.onchange = () => {
+      const { display } = JSON.parse(this.addable.value || "{}");
+      about.textContent = this.state.values.types.find(({ name }) => name === display)?.about ?? "";
+    };
     this.fillAddable();
     const row = this.tree.selected; // a display is added to the selected group
-    openDialog(this.frame, "Add", this.addable, (choice) => this.state.act({ act: "AddDisplay", ...JSON.parse(choice), row }));
+    /** @param {string} choice */
+    const confirm = (choice) => this.state.act({ act: "AddDisplay", ...JSON.parse(choice), row });
+    openDialog(this.frame, "Add", this.addable, confirm, about);
     this.state.act({ act: "LookAgain" }); // the graph may have new topics
   }
 
@@ -156,6 +163,7 @@ export class Panels {
     this.addable.replaceChildren(choices("By topic", byTopic), choices("By display type", byType));
     this.addable.value = value;
     if (this.addable.selectedIndex < 0) this.addable.selectedIndex = 0;
+    this.addable.onchange();
   }
 
   /** @param {import("../protocol.js").ContextMenu} menu of an interactive marker */
