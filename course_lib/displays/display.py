@@ -605,6 +605,8 @@ class TopicDisplay(Display):
 OUT_OF_CACHE = "the timestamp on the message is earlier than all the data in the transform cache"
 QUEUE_LABEL = "Topic/Filter size"
 FILTER_PROPERTIES = (*topic_properties(), Property(QUEUE_LABEL, 10, integer(1)))
+# The number of messages that are drawn again with each new one.
+_SHORT_HISTORY = 20
 
 
 class DrawnDisplay(TopicDisplay):
@@ -625,6 +627,8 @@ class DrawnDisplay(TopicDisplay):
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
         self.kept: deque[Any] = deque(maxlen=(self[self.length_label] or None) if self.length_label else 1)
+        # Whether the drawing of a long history is out of date.
+        self._is_stale = False
 
     def numbers(self, message: Any) -> npt.ArrayLike:
         """Return the numbers of a message that must be finite."""
@@ -650,9 +654,23 @@ class DrawnDisplay(TopicDisplay):
             self.keep(self.convert(message, transform))
 
     def keep(self, converted: Any) -> None:
-        """Keep a converted message, and redraw."""
+        """Keep a converted message, and redraw.
+
+        To draw a long history again for each message would take quadratic time, so it is drawn once
+        per frame.
+        """
         self.kept.append(converted)
-        self.draw()
+        if len(self.kept) > _SHORT_HISTORY:
+            self._is_stale = True
+        else:
+            self.draw()
+
+    def update(self) -> None:
+        """Process the queued messages, and draw a long history that has changed."""
+        super().update()
+        if self._is_stale:
+            self._is_stale = False
+            self.draw()
 
     def reset(self) -> None:
         """Discard all kept messages."""

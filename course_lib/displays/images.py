@@ -129,13 +129,15 @@ def decode_compressed(message: Any, limits: Limits) -> Pixels:
             if picture.mode.startswith("I"):
                 return _scale_to_bytes(np.asarray(picture)[..., None], limits)[..., _GREY]
             return np.asarray(picture.convert("RGB"))
+    except Image.DecompressionBombError as error:
+        raise ValueError(f"the image is too large: {error}") from error
     except (UnidentifiedImageError, OSError) as error:
         raise ValueError(f"the data is not an image of format {message.format!r}: {error}") from error
 
 
 def downsample(pixels: Pixels, columns: int) -> Pixels:
-    """Return every n-th pixel of an image, so that it has at most `columns` columns."""
-    step = -(-pixels.shape[1] // columns)
+    """Return every n-th pixel, so that an image has at most `columns` columns, and 4 times as many rows."""
+    step = -(-max(pixels.shape[1], pixels.shape[0] // 4) // columns)
     return pixels[::step, ::step]
 
 

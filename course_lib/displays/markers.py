@@ -125,11 +125,16 @@ def arrow(marker: Any) -> MarkerDrawing:
 
 
 def text(marker: Any) -> MarkerDrawing:
-    """Draw text that faces the viewer; z of the scale is the height of a capital letter."""
-    height = marker.scale.z
+    """Draw text that faces the viewer.
+
+    z of the scale is the height of a capital letter and x, if it is not 0, the width of a space.
+    """
+    height, space_width = marker.scale.z, marker.scale.x
     if not height or not marker.text:
         return MarkerDrawing()
-    return MarkerDrawing({"text": Text(marker.text, abs(height), rgba(marker.color))})
+    return MarkerDrawing(
+        {"text": Text(marker.text, abs(height), rgba(marker.color), space_width=abs(space_width))}
+    )
 
 
 def _arrow_between(marker: Any) -> MarkerDrawing:

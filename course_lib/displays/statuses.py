@@ -87,10 +87,16 @@ class Statuses:
 
     def rows(self, display: str) -> list[StatusRow]:
         """Return the statuses and hints of a display as rows, hints last."""
-        own_rows = [StatusRow(display, name, *status) for name, status in self._texts.items()]
-        hints = ((name, text) for name, texts in self._hints.items() for text in texts)
-        failed = [StatusRow(display, name, "error", text) for name, text in self._failures.items()]
-        return own_rows + failed + [StatusRow(display, name, "hint", text) for name, text in hints]
+        rows = [(name, *status) for name, status in self._texts.items()]
+        rows += [(name, "error", text) for name, text in self._failures.items()]
+        rows += [(name, "hint", text) for name, texts in self._hints.items() for text in texts]
+        return [StatusRow(display, clip(name), level, clip(text)) for name, level, text in rows]
+
+
+def clip(text: str) -> str:
+    """Return a text, shortened in its middle if it would make pages and tables slow."""
+    half = _LONGEST_TEXT // 2
+    return text if len(text) <= _LONGEST_TEXT else f"{text[:half]} … {text[-half:]}"
 
 
 class StatusTable(list[StatusRow]):
@@ -121,6 +127,9 @@ def _row(row: StatusRow) -> str:
 
 # Characters of an exception's text in a status.
 LONGEST = 300
+# Characters of the name or the text of a status, which may contain the names in a message. RViz's
+# longest own text lists all displays.
+_LONGEST_TEXT = 3000
 # Locations of errors that were reported.
 _warned: set[tuple[str, int, type[BaseException]]] = set()
 

@@ -343,14 +343,12 @@ class TfDisplay(Display):
         for name in self._frames.keys() - set(names):
             for node in self._frames.pop(name).nodes.values():
                 self.context.scene.delete(node)
+        self._add_frames([name for name in names if name not in self._frames])
         for name in names:
             self._update(name)
 
     def _update(self, name: str) -> None:
         frames = self.context.frames
-        if name not in self._frames:
-            self._frames[name] = DrawnFrame(self.context.scene, self.path, name)
-            self._grow(name)
         drawn_frame, transform = self._frames[name], frames.transform(name)
         look = Appearance(self._age(name, transform) / self["Frame Timeout"], self["Marker Scale"])
         if transform is None:
@@ -369,16 +367,24 @@ class TfDisplay(Display):
         drawn_frame.show(visible_parts, look)
         drawn_frame.place(transform, there, look.scale)
 
-    def _grow(self, name: str) -> None:
-        row, names = f"Frames/{name}", ("Frames", name)
-        if any(prop.label == row for prop in self.properties):
-            # The frame was filtered out before and has its properties already.
+    def _add_frames(self, names: list[str]) -> None:
+        """Add new frames, with their properties in one step, because adding each takes linear time."""
+        if not names:
             return
-        rows = (
-            Property(f"{row}/{label}", partial(self._frame_value, name, label), read_only, (*names, label))
-            for label in _FRAME_VALUES
-        )
-        self.grow(Property(row, True, flag, names), *rows)
+        self._frames |= {name: DrawnFrame(self.context.scene, self.path, name) for name in names}
+        # A frame that was filtered out before has its properties already.
+        labels = {prop.label for prop in self.properties}
+        rows = [
+            row for name in names if f"Frames/{name}" not in labels for row in self._frame_properties(name)
+        ]
+        self.grow(*rows)
+
+    def _frame_properties(self, name: str) -> Iterator[Property]:
+        row, names = f"Frames/{name}", ("Frames", name)
+        yield Property(row, True, flag, names)
+        for label in _FRAME_VALUES:
+            value = partial(self._frame_value, name, label)
+            yield Property(f"{row}/{label}", value, read_only, (*names, label))
 
     def _age(self, name: str, transform: Matrix | None) -> float:
         """Return the time since a frame received its transform, [s]; static transforms do not age."""

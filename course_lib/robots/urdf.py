@@ -262,7 +262,9 @@ def _link(link: ET.Element, materials: Mapping[str, Material]) -> Link:
     problems = list[str]()
     visuals, collisions = (tuple(_geometries(link, kind, problems)) for kind in ("visual", "collision"))
     name, inertial, material = link.get("name", ""), link.find("inertial"), None
-    painted = link.find("visual[1]/material")
+    # A path with an index, visual[1], would take quadratic time.
+    first_visual = link.find("visual")
+    painted = None if first_visual is None else first_visual.find("material")
     for element in link.findall("visual/material"):
         material_of_tag = _material(element, problems)
         if element is painted:

@@ -270,19 +270,27 @@ class Text:
     """Text that faces the camera, at the origin of its node.
 
     Args:
-        text: The text, which may have several lines.
+        text: The text, which may have several lines. They begin at the same position.
         height: Height of a capital letter, [m].
         color: RGBA, 0 to 1, shape (4,).
         below: Whether the text is below the origin in the image, instead of centered at it.
+        space_width: Width of a space, [m]; 0 uses that of the font.
     """
 
     def __init__(
-        self, text: str, height: float, color: ArrayLike = (1.0, 1.0, 1.0, 1.0), below: bool = False
+        self,
+        text: str,
+        height: float,
+        color: ArrayLike = (1.0, 1.0, 1.0, 1.0),
+        below: bool = False,
+        space_width: float = 0.0,
     ) -> None:
         self.text = text
         self.height = float(height)
         self.color = rgba(color)
         self.below = below
+        # In heights of a capital letter.
+        self.space_width = float(space_width) / self.height if space_width and self.height else 0.0
 
 
 class Sheet:
@@ -395,8 +403,11 @@ def load_mesh(path: Path) -> Mesh:
     Raises:
         MeshFileError: It is not such a file, or is damaged.
     """
+    file_format = path.suffix.lstrip(".").lower()
     try:
-        return parse_mesh(read_bytes(path), path.suffix.lstrip(".").lower(), folder=path.parent)
+        # A file of another format may be endless, like those in /proc.
+        _check_format(file_format)
+        return parse_mesh(read_bytes(path), file_format, folder=path.parent)
     except (OSError, MeshFileError) as error:
         raise MeshFileError(f"{path}: {error}") from error
 
@@ -415,10 +426,7 @@ def parse_mesh(
     # Imported here because it is slow to load.
     from trimesh.units import unit_conversion
 
-    if file_format not in FORMATS:
-        raise MeshFileError(
-            f"{file_format!r} is not a supported mesh format; use one of {', '.join(FORMATS)}."
-        )
+    _check_format(file_format)
     if data.startswith(LFS_POINTER):
         raise MeshFileError(f"This is not a {file_format.upper()} file: {NOT_FETCHED}.")
     try:
@@ -433,6 +441,13 @@ def parse_mesh(
         # shape.
         raise MeshFileError(f"This is not a readable {file_format.upper()} file: {error}") from error
     raise MeshFileError(f"This is not a readable {file_format.upper()} file: it has no triangles.")
+
+
+def _check_format(file_format: str) -> None:
+    if file_format not in FORMATS:
+        raise MeshFileError(
+            f"{file_format!r} is not a supported mesh format; use one of {', '.join(FORMATS)}."
+        )
 
 
 def _merge(parts: list[Part], unit: float, color: tuple[float, ...] | None) -> Mesh:

@@ -29,6 +29,7 @@ _CAPITAL = 46
 # Margin around the letters, for descenders and accents [px].
 _MARGIN = 16
 _LINE = 74  # [px] line spacing
+_WIDEST_SPACE = 20.0  # in heights of a capital letter
 # Texture size that every graphics card supports [px].
 _LARGEST = 4096
 # The maximum number of letters.
@@ -131,10 +132,10 @@ def _fields_of(thing: Drawable) -> dict[str, Any]:
     if isinstance(thing, Solids):
         fields["placements"] = columns(thing.placements)
     if isinstance(thing, Text):
-        glyphs = rasterize(thing.text)
+        glyphs = rasterize(thing.text, thing.space_width)
         rows, cols = glyphs.mask.shape
         size = thing.height / glyphs.pixels_per_height  # [m] per pixel
-        fields.update(mask=glyphs.mask, rows=rows, columns=cols, pixel=size)
+        fields.update(text=thing.text[:_LONGEST], mask=glyphs.mask, rows=rows, columns=cols, pixel=size)
     if isinstance(thing, Sheet):
         fields.update(rows=thing.cells.shape[0], columns=thing.cells.shape[1])
     if isinstance(thing, Inset):
@@ -154,20 +155,31 @@ class Glyphs:
 
 
 @lru_cache(maxsize=512)
-def rasterize(text: str) -> Glyphs:
-    """Draw text with centered lines. Very long text is drawn smaller, or truncated."""
+def rasterize(text: str, space_width: float = 0.0) -> Glyphs:
+    """Draw text whose lines begin at the same position. Very long text is drawn smaller, or truncated.
+
+    Args:
+        text: One or more lines.
+        space_width: Width of a space in heights of a capital letter; 0 uses that of the font.
+    """
     lines = text[:_LONGEST].split("\n")
     font = _font_for(text[:_LONGEST])
-    columns = max(font.getlength(line) for line in lines) + 2 * _MARGIN
+    # Without a width of its own, a line is drawn in one piece.
+    words = [line.split(" ") if space_width else [line] for line in lines]
+    # A wider space would leave no pixels for the letters.
+    space = min(max(space_width, 0.0), _WIDEST_SPACE) * _CAPITAL
+    starts = [np.cumsum([0.0, *(font.getlength(word) + space for word in line)]) for line in words]
+    columns = max(float(line[-1]) for line in starts) - space + 2 * _MARGIN
     rows = _CAPITAL + _LINE * (len(lines) - 1) + 2 * _MARGIN
     scale = min(1.0, _LARGEST / max(columns, rows))
     if scale < 1:
         font = font.font_variant(size=font.size * scale)
-    image = Image.new("L", (round(columns * scale), round(rows * scale)))
+    image = Image.new("L", (max(round(columns * scale), 1), max(round(rows * scale), 1)))
     draw = ImageDraw.Draw(image)
-    for row, line in enumerate(lines):
+    for row, line in enumerate(words):
         baseline = (_MARGIN + _CAPITAL + _LINE * row) * scale
-        draw.text((columns * scale / 2, baseline), line, fill=255, font=font, anchor="ms")
+        for word, start in zip(line, starts[row], strict=False):
+            draw.text(((_MARGIN + start) * scale, baseline), word, fill=255, font=font, anchor="ls")
     return Glyphs(np.asarray(image), _CAPITAL * scale)
 
 

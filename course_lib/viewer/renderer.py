@@ -263,7 +263,7 @@ def _points(points: drawables.Points, view: Viewpoint) -> Triangles:
 
 
 def _text(text: drawables.Text, view: Viewpoint) -> Triangles:
-    glyphs = encoding.rasterize(text.text)
+    glyphs = encoding.rasterize(text.text, text.space_width)
     rows, columns = glyphs.mask.shape
     size = np.array([columns, rows, 0], np.float32) * np.float32(text.height / glyphs.pixels_per_height)
     lowered = SQUARE - np.array([0, 0.5 * text.below, 0], np.float32)

@@ -61,3 +61,12 @@ def test_columns_are_aligned_in_a_terminal() -> None:
 def test_ambiguous_rviz_status_has_a_tooltip() -> None:
     html = StatusTable([StatusRow("Marker", "Array Topic", "ok", "OK")])._repr_html_()
     assert "title=\"RViz's Marker display also subscribes to arrays" in html
+
+
+def test_status_with_a_very_long_name_and_text_is_shortened() -> None:
+    statuses = Statuses()
+    statuses.set("error", "n" * 10_000_000, "begin" + "x" * 10_000_000 + "end")
+    (row,) = statuses.rows("Marker")
+    assert len(row.name) + len(row.text) < 10_000
+    assert row.text.startswith("begin")
+    assert row.text.endswith("end")

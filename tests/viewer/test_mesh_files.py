@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from course_lib.viewer import drawables
 from course_lib.viewer.drawables import MeshFileError, load_mesh, parse_mesh
 
 CORNERS = [[0, 0, 0], [1, 0, 0], [0, 2, 0]]
@@ -159,3 +160,14 @@ def test_robot_meshes_agree_with_another_reader() -> None:
         vertices = load_mesh(file).vertices
         assert vertices.min(axis=0) == pytest.approx(expected.min(axis=0), abs=1e-5), file.name
         assert vertices.max(axis=0) == pytest.approx(expected.max(axis=0), abs=1e-5), file.name
+
+
+def test_file_of_another_format_is_rejected_without_reading_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def read_bytes(path: Path) -> bytes:
+        raise AssertionError(f"{path} was read")
+
+    monkeypatch.setattr(drawables, "read_bytes", read_bytes)
+    with pytest.raises(MeshFileError, match="'log' is not a supported mesh format"):
+        load_mesh(tmp_path / "endless.log")

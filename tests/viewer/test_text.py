@@ -35,3 +35,18 @@ def test_text_of_any_length_fits_the_texture_limit(text: str) -> None:
 
 def test_empty_text_is_not_drawn() -> None:
     assert not ink("").any()
+
+
+def test_lines_begin_at_the_same_position() -> None:
+    columns = [np.flatnonzero(ink(f"HHHH\nH{end}")[-60:].any(axis=0)) for end in ("", "\nH")]
+    assert columns[0][0] == columns[1][0]
+    assert columns[0][-1] < ink("HHHH\nH").shape[1] / 2
+
+
+def test_space_has_the_requested_width_in_heights_of_a_capital_letter() -> None:
+    def gap(width: float) -> int:
+        inked = np.flatnonzero(rasterize("H H", width).mask.any(axis=0))
+        return int(np.diff(inked).max())
+
+    assert gap(5.0) - gap(1.0) == pytest.approx(4 * rasterize("H H").pixels_per_height, abs=2)
+    assert rasterize("H H", 1e308).mask.shape[1] <= 4096

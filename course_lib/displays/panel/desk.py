@@ -30,7 +30,7 @@ from course_lib.displays.properties import (
 )
 from course_lib.displays.registry import REGISTRY, describe_class, short_name
 from course_lib.displays.session import RvizSession
-from course_lib.displays.statuses import LEVELS, NOTES, Level, StatusRow, contained, describe
+from course_lib.displays.statuses import LEVELS, NOTES, Level, StatusRow, clip, contained, describe
 from course_lib.displays.views import VIEWS, ViewController, view_of
 from course_lib.displays.writer import member_config, save_rviz, view_config
 from course_lib.errors import CourseError, format_count
@@ -77,7 +77,7 @@ class Rows(dict[str, RowEntry]):
         **shown: Any,
     ) -> None:
         """Add a row."""
-        self[key] = RowEntry(protocol.PanelRow(key, parent, label, **shown), edit, member)
+        self[key] = RowEntry(protocol.PanelRow(key, parent, clip(label), **shown), edit, member)
 
     def put_properties(self, holder: PropertyHolder, parent: str) -> None:
         """Add the properties of an object that RViz displays, without its check box."""

@@ -136,7 +136,7 @@ def test_compressed_image_uses_the_camera_info_of_the_raw_image() -> None:
 def test_camera_has_no_filter_size_and_at_most_ten_images_wait_for_their_frame() -> None:
     bench = Bench()
     display = add(bench)
-    assert "Topic/Filter size" not in display.keys()
+    assert "Topic/Filter size" not in dict(display)
     for _ in range(12):
         assert show_inset(bench, info(), "optical") is None
     hints = " ".join(bench.hints(display))

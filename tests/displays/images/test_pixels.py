@@ -109,6 +109,18 @@ def test_compressed_images_are_read() -> None:
         decode_compressed(CompressedImage(format="jpeg", data=b"nothing"), whole)
 
 
+def test_compressed_image_that_is_too_large_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Pictures, "MAX_IMAGE_PIXELS", 10)
+    data = io.BytesIO()
+    Pictures.new("L", (30, 1)).save(data, "png")
+    with pytest.raises(ValueError, match="the image is too large: Image size"):
+        decode_compressed(CompressedImage(format="png", data=data.getvalue()), whole)
+
+
+def test_high_image_is_scaled_down_too() -> None:
+    assert downsample(np.zeros((40_000, 1, 3), np.uint8), 100).shape[0] <= 400
+
+
 def test_image_is_scaled_down_to_the_requested_width() -> None:
     assert downsample(np.zeros((480, 640, 3), np.uint8), 640).shape == (480, 640, 3)
     assert downsample(np.zeros((480, 641, 3), np.uint8), 640).shape == (240, 321, 3)

@@ -110,6 +110,13 @@ def test_text_height_is_the_z_scale() -> None:
     assert words.height == pytest.approx(0.3)
 
 
+@pytest.mark.parametrize(("x", "in_letters"), [(0.0, 0.0), (0.6, 2.0), (-0.6, 2.0)])
+def test_text_has_spaces_of_the_x_scale_unless_it_is_zero(x: float, in_letters: float) -> None:
+    words = text(marker(Marker.TEXT_VIEW_FACING, text="a b", scale=Vector3(x=x, z=0.3))).drawables["text"]
+    assert isinstance(words, Text)
+    assert words.space_width == pytest.approx(in_letters)
+
+
 @pytest.mark.parametrize(("words", "height"), [("", 1.0), ("hello", 0.0)])
 def test_empty_text_or_text_of_zero_height_is_not_drawn_and_has_no_status(words: str, height: float) -> None:
     drawing = text(marker(Marker.TEXT_VIEW_FACING, text=words, scale=Vector3(z=height)))

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from nav_msgs.msg import Odometry
 
-from course_lib.displays.display import INVALID
+from course_lib.displays.display import INVALID, DrawnDisplay
 from tests.displays.bench import Bench
 from tests.displays.poses.test_poses import add, drawables_of, extent
 
@@ -95,3 +95,22 @@ def test_invalid_odometry_is_an_error(field: str, value: float, status: str) -> 
     bench.publish("/pose", wrong)
     assert bench.status(display, "Topic") == ("error", status)
     assert not drawables_of(bench)
+
+
+def test_long_history_is_drawn_once_per_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+    bench = Bench()
+    display = add(bench, "Odometry", keep=0)
+    assert isinstance(display, DrawnDisplay)
+    draw = type(display).draw
+    numbers: list[int] = []
+
+    def count(display: DrawnDisplay) -> None:
+        numbers.append(len(display.kept))
+        draw(display)
+
+    monkeypatch.setattr(type(display), "draw", count)
+    for x in range(100):
+        bench.publish("/pose", message(float(x)))
+    bench.update()
+    assert len(numbers) < 30
+    assert steps(bench) == 100

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from course_lib.displays.display import Display
+from course_lib.displays.properties import Property
 from course_lib.errors import CourseError
 from course_lib.viewer.drawables import Solids, Text
 from tests.displays.bench import Bench
@@ -186,3 +187,20 @@ def test_unchanged_frames_send_no_scene_changes() -> None:
     bench.scene.listen(lambda what, path: received.append((what, path)))
     bench.update(0.2)
     assert received == []
+
+
+def test_properties_of_many_new_frames_are_added_in_one_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    bench = Bench()
+    display = bench.session.add("rviz_default_plugins/TF", "TF", {})
+    grow = type(display).grow
+    calls: list[int] = []
+
+    def count(display: Display, *rows: Property) -> list[str]:
+        calls.append(len(rows))
+        return grow(display, *rows)
+
+    monkeypatch.setattr(type(display), "grow", count)
+    for number in range(50):
+        bench.transform("map", f"frame{number}")
+    bench.update()
+    assert calls == [51 * 6]
