@@ -263,15 +263,15 @@ def group_edits(
     """Combine edits of different tasks and different cells into few notebooks."""
     rounds: list[list[Edit]] = []
     for edit in edits:
-        for one in rounds:
-            edited_cells = {place for other in one for place in other.cells}
-            tasks = {other.task for other in one}
+        for round_ in rounds:
+            edited_cells = {place for other in round_ for place in other.cells}
+            tasks = {other.task for other in round_}
             if (
-                one[0].hidden == edit.hidden
+                round_[0].hidden == edit.hidden
                 and edit.task not in tasks
                 and not edited_cells & edit.cells.keys()
             ):
-                one.append(edit)
+                round_.append(edit)
                 break
         else:
             rounds.append([edit])
@@ -487,7 +487,7 @@ class Code:
     def undefined_attributes(self, among: Iterable[Key], attributes: Iterable[str]) -> set[str]:
         """Return the members of `attributes` that these statements read and never assign."""
         statements = [self.statements.get(key, NOTHING) for key in among]
-        read_attributes = {name for one in statements for name in one.read_attributes}
+        read_attributes = {name for statement in statements for name in statement.read_attributes}
         return read_attributes.intersection(attributes).difference(*(one.assigned for one in statements))
 
 
@@ -564,13 +564,13 @@ def group_deletions(
     """
     needed_keys = {task.id: code.required_statements(task) for task in tasks}
     groups: list[list[Deletion]] = []
-    for one in deletions:
+    for deletion in deletions:
         for group in groups:
-            if not any(_conflict(one, other, needed_keys) for other in group):
-                group.append(one)
+            if not any(_conflict(deletion, other, needed_keys) for other in group):
+                group.append(deletion)
                 break
         else:
-            groups.append([one])
+            groups.append([deletion])
     return groups
 
 
@@ -705,7 +705,7 @@ def _deletable_parts(source: str, tree: ast.AST) -> Iterator[_DeletablePart]:
         first, last = offset(node.lineno, node.col_offset), offset(node.end_lineno, node.end_col_offset)
         if isinstance(node, ast.Import | ast.ImportFrom) and len(node.names) > 1:
             for alias in node.names:
-                other_aliases = [one for one in node.names if one is not alias]
+                other_aliases = [name for name in node.names if name is not alias]
                 fewer = copy.copy(node)
                 fewer.names = other_aliases
                 yield _DeletablePart(f"import of {alias.name}", first, last, ast.unparse(fewer))

@@ -41,7 +41,7 @@ def find_notebook(path: Path) -> Path:
         folder = path.parent
         notebooks = (*folder.glob("*.ipynb"), *folder.glob("*/week*_exercise.ipynb"))
         # A broken symbolic link is listed, too.
-        candidates = [str(one) for one in notebooks if one.exists()]
+        candidates = [str(notebook) for notebook in notebooks if notebook.exists()]
         matches = [one for one in candidates if Path(one).name.startswith(f"{path.name}_exercise.")]
         if suggestion := did_you_mean(matches[0] if matches else str(path), candidates):
             raise CourseError(f"there is no {path}{suggestion}")

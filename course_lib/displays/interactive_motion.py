@@ -216,7 +216,7 @@ class Pointer:
         return replace(self, origin=origin, direction=rotation @ self.direction, axes=self.axes @ rotation.T)
 
     @property
-    def at(self) -> Floats:
+    def image_position(self) -> Floats:
         """The position of the pointer in the image, right and up, in pixels from a fixed point."""
         right, up, depth = self.axes @ (self.origin if self.flat else self.direction)
         return np.array([right, up]) / (self.pixel if self.flat else self.pixel * depth)
@@ -348,7 +348,7 @@ def _move_3d(drag: Drag, pointer: Pointer) -> Drag:
     if not drag.shift:
         hit = pointer.intersect_plane(drag.grab, pointer.axes[2])
         return drag if hit is None else _shift(drag, hit - drag.grab)
-    right, up = pointer.at - drag.pointer.at
+    right, up = pointer.image_position - drag.pointer.image_position
     pose = drag.pose.copy()
     pose[:3, 3] += _z_scale(drag) * (right if abs(right) > abs(up) else up) * drag.pointer.direction
     return replace(drag, pose=pose, pointer=pointer)
@@ -367,7 +367,7 @@ def _z_scale(drag: Drag) -> float:
 
 def _rotate_3d(drag: Drag, pointer: Pointer) -> Drag:
     """Rotate the marker about the axes of the image; with Shift about the line of sight."""
-    step_right, step_up = (pointer.at - drag.pointer.at) * _TURN
+    step_right, step_up = (pointer.image_position - drag.pointer.image_position) * _TURN
     right, up, forward = pointer.axes
     if drag.shift:
         pose = _rotate(drag.pose, forward, -step_up if abs(step_up) > abs(step_right) else step_right)

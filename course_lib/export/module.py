@@ -391,9 +391,9 @@ class NodeModule:
         return f"leaves {', '.join(abstract)} abstract" if abstract else ""
 
     def _calls(self, method: str) -> Iterator[ast.Call]:
-        for one in ast.walk(self.node):
-            if isinstance(one, ast.Call) and getattr(one.func, "attr", "") == method:
-                yield one
+        for node in ast.walk(self.node):
+            if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == method:
+                yield node
 
 
 def _sort_imports(imports: set[str]) -> str:

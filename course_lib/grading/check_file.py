@@ -51,7 +51,7 @@ def check_file(path: Path) -> bool:
     advice = Advice()
     for task, result in zip(tasks, judgement.tasks, strict=True):
         save_progress(task, result, notebook.cells)
-        evidence = [one.evidence for one in exercise_run.runs if one.evidence.task == task.id]
+        evidence = [run.evidence for run in exercise_run.runs if run.evidence.task == task.id]
         follows = causes.is_only_cause(result)
         table = table_of(task, result, evidence, student, advice, _source_of(task, notebook.cells))
         parts.append(NOT_CHECKED.format(task) if follows else table)

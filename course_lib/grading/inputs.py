@@ -126,7 +126,7 @@ def corners(center: Vector, size: Vector) -> list[list[float]]:
     return [list(corner) for corner in product(*ends)]
 
 
-def turned(yaw: float) -> dict[str, float]:
+def yaw_quaternion(yaw: float) -> dict[str, float]:
     """Return the quaternion of a rotation about z [rad], as the fields of a Quaternion message."""
     return {"z": math.sin(yaw / 2), "w": math.cos(yaw / 2)}
 
@@ -149,7 +149,7 @@ def detections(
 
 def pose(parent: str, child: str, translation: Vector, yaw: float = 0.0) -> dict[str, Any]:
     """Return a transform from child to parent for `transforms`: translation [m], yaw about z [rad]."""
-    placement = {"translation": xyz(translation), "rotation": turned(yaw)}
+    placement = {"translation": xyz(translation), "rotation": yaw_quaternion(yaw)}
     return {"parent": parent, "child_frame_id": child, "transform": placement}
 
 
@@ -256,7 +256,7 @@ def ghost(
         "ns": "expected",
         "id": number,
         "type": kind,
-        "pose": {"position": xyz(center), "orientation": turned(yaw)},
+        "pose": {"position": xyz(center), "orientation": yaw_quaternion(yaw)},
         "scale": xyz(size),
         "color": dict(zip("rgba", (*color, 1.0), strict=False)),
     }
@@ -307,7 +307,7 @@ def _parameter(value: Any) -> Mapping[str, Any]:
 
 
 def _detection(box: Found) -> Mapping[str, Any]:
-    center = {"position": xyz(box.center), "orientation": turned(box.yaw)}
+    center = {"position": xyz(box.center), "orientation": yaw_quaternion(box.yaw)}
     return {
         "id": str(box.track),
         "bbox": {"center": center, "size": xyz(box.size)},

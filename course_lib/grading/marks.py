@@ -226,7 +226,7 @@ def mark(
         _make_result(one, judgement, course) for one, judgement in zip(attempts, judgements, strict=True)
     ]
     best = max(results, key=_rank)
-    finals = [one.mark.final if one.mark else None for one in results]
+    finals = [result.mark.final if result.mark else None for result in results]
     tried = tuple(
         replace(attempt_of(one.submission), final=final) for one, final in zip(results, finals, strict=True)
     )

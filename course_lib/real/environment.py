@@ -70,7 +70,7 @@ class RealEnvironment:
         if self._packages_folder is None:
             return {}
         packages = metadata.distributions(path=[str(self._packages_folder)])
-        return {one.metadata["Name"].replace("_", "-"): one.version for one in packages}
+        return {package.metadata["Name"].replace("_", "-"): package.version for package in packages}
 
     @cached_property
     def packages(self) -> list[str]:

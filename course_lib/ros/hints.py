@@ -85,7 +85,7 @@ def hint(error: BaseException) -> str:
         or near_names.keyword_hint(error)
         or _lifecycle_hint(error, text)
         or near_names.extra_argument_hint(error)
-        or near_names.by_name_hint(error)
+        or near_names.keyword_argument_hint(error)
         or near_names.constructor_hint(error)
         or near_names.unnamed_field_hint(error)
         or near_names.property_hint(error)

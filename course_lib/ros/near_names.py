@@ -609,7 +609,7 @@ def extra_argument_hint(error: BaseException) -> str:
     return f"{name} takes {join_words(names) or 'nothing'} besides self, and {passed_text}: write {call}."
 
 
-def by_name_hint(error: BaseException) -> str:
+def keyword_argument_hint(error: BaseException) -> str:
     """Return the hint for a call of the kit or of a library whose last values need names, or ""."""
     match = re.match(
         r"(?:\w+\.)*?(\w+)(?:\.__init__)?\(\) takes (?:from \d+ to )?(\d+) positional arguments? but (\d+)",

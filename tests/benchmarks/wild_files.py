@@ -192,9 +192,9 @@ class _Dry:
 
     def visit(self, entities: Any) -> None:
         """Visit entities and the entities that they return."""
-        from launch.entities import listed
+        from launch.entities import as_entity_list
 
-        for entity in listed(entities):
+        for entity in as_entity_list(entities):
             self.visit(entity.visit(self._context))
 
     def start(self, action: Any, package: str, executable: str, words: Iterable[str]) -> None:

@@ -103,7 +103,7 @@ def test_hostile_and_unknown_clones_are_reported_and_other_clones_collected(
     assert "2 students without the time of the push" in text
     by_student = {(one.student, one.exercise, bool(one.problem)) for one in find_submissions(out)}
     assert by_student == {("ada1", f"{WEEK}_exercise", False), ("cleo3", "week03_exercise", True)}
-    assert Ledger.read(out, UTC).received(out / "ada1/week01_exercise.ipynb", {}).time is None
+    assert Ledger.read(out, UTC).receipt_time(out / "ada1/week01_exercise.ipynb", {}).time is None
 
 
 def test_unchanged_clone_is_not_a_submission(tmp_path: Path, clones: Path) -> None:

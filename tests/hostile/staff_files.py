@@ -122,7 +122,7 @@ def _received(chance: random.Random, top: Path) -> None:
     written(top / "received.csv", mangled(chance, TABLES["received"]))
     written(top / "ada1" / NAME, notebook())
     written(top / "ada1" / "timestamp.txt", mangled(chance, "2026-03-08 23:59:00 UTC"))
-    Ledger.read(top, ZONE).received(top / "ada1" / NAME, {})
+    Ledger.read(top, ZONE).receipt_time(top / "ada1" / NAME, {})
     find_submissions(top, zone=ZONE)
 
 

@@ -192,7 +192,7 @@ class MarkingQueue:
         self._pages: dict[str, tuple[str, str, float]] = {}
         self._number = 0
 
-    def since(self, number: int) -> dict[str, Any]:
+    def changes_since(self, number: int) -> dict[str, Any]:
         """Return the items changed since a change number, as plain data; 0 returns all."""
         with self._lock:
             self._refresh()

@@ -314,7 +314,7 @@ class QueueHandler(_JsonHandler):
         text = self.get_query_argument("since", "0")
         if not text.isdecimal() or len(text) > 12:
             raise CourseError(f"{text!r:.40} is not the number of a change")
-        changes = self.desk.queue.since(int(text))
+        changes = self.desk.queue.changes_since(int(text))
         return changes | {"others": self.open_items(), "state": self.desk.follower.state}
 
 

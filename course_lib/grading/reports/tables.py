@@ -199,7 +199,7 @@ def _task_rows(result: MarkedResult) -> Iterator[tuple[Any, ...]]:
 
 def analyse(exercise: str, results: Sequence[MarkedResult], out: Path) -> Analysis:
     """Return the item analysis of one exercise."""
-    task_results = [one.result.tasks for one in results if one.result.tasks]
+    task_results = [result.result.tasks for result in results if result.result.tasks]
     marks = [one.row.mark for one in results if one.row.mark]
     keys = [one.result.attempts[-1].key for one in results if one.result.tasks]
     usages = [read_usage(out, key) for key in keys]
@@ -252,7 +252,7 @@ def correlation(scores: Sequence[float], rests: Sequence[float]) -> float | None
 def write_gradebook(out: Path, results: Iterable[MarkedResult]) -> Path:
     """Write OUT/gradebook.csv from the gradebook rows of all results."""
     path = out / "gradebook.csv"
-    write_atomically(path, csv_of(COLUMNS, (one.row.cells.values() for one in results)))
+    write_atomically(path, csv_of(COLUMNS, (result.row.cells.values() for result in results)))
     return path
 
 

@@ -16,7 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from launch.actions import DeclareLaunchArgument, declared
+from launch.actions import DeclareLaunchArgument, find_declarations
 from launch.entities import Action, Entities, text_of
 
 from course_lib.grading.evidence import LaunchRecord, OtherValue, StartedNode
@@ -95,7 +95,7 @@ class RecordedLaunch(LaunchProgram):
 
     def declared_arguments(self) -> Iterator[tuple[DeclareLaunchArgument, str | None]]:
         """Yield the declared launch arguments with their defaults."""
-        for argument in declared(self.describe(), self._context)[:MAX_ARGUMENTS]:
+        for argument in find_declarations(self.describe(), self._context)[:MAX_ARGUMENTS]:
             default = None
             if argument.default_value is not None:
                 default = text_of(self._context, argument.default_value)

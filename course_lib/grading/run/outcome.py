@@ -154,7 +154,7 @@ class BoundedOutput(io.StringIO):
 
 def printed_lines(outputs: Iterable[str]) -> tuple[str, ...]:
     """Return the lines of the first output that is not empty, shortened for display."""
-    text = next((one for one in outputs if one.strip()), "")
+    text = next((output for output in outputs if output.strip()), "")
     lines = collapse_lines(text.rstrip().splitlines())
     kept_lines = [line if len(line) <= MAX_LINE else f"{line[:MAX_LINE]} …" for line in lines[:MAX_LINES]]
     more = len(lines) - len(kept_lines)

@@ -85,7 +85,7 @@ class Ledger:
                 entries |= _entries(path, zone)
         return cls(top, zone, entries)
 
-    def received(self, path: Path, receipt: Mapping[str, Any]) -> ReceiptTime:
+    def receipt_time(self, path: Path, receipt: Mapping[str, Any]) -> ReceiptTime:
         """Return the most reliable known time of a file.
 
         The list takes precedence, then nbgrader's time stamp next to the file, then the platform's
@@ -209,10 +209,10 @@ def resolve_ids(submissions: Sequence[Submission], top: Path) -> list[Submission
     """
     numbers = _platform_numbers(top)
     owners = defaultdict[str, set[str]](set)
-    for one in submissions:
-        owners[one.student].add(one.student)
-        if one.claimed:
-            owners[one.claimed].add(one.student)
+    for submission in submissions:
+        owners[submission.student].add(submission.student)
+        if submission.claimed:
+            owners[submission.claimed].add(submission.student)
     return [_resolve_id(one, top, numbers, owners) for one in submissions]
 
 

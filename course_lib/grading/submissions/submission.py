@@ -96,7 +96,7 @@ def find_submissions(
             previous[-1] = replace(previous[-1], refused=(*previous[-1].refused, file))
             continue
         path = top / file
-        when = ledger.received(path, {})
+        when = ledger.receipt_time(path, {})
         ordered[student, exercise] = [
             Submission(student, exercise, path, when, problem=why, reason=REFUSED, named=file)
         ]
@@ -243,7 +243,7 @@ def read_submission(path: Path, ledger: Ledger) -> Submission:
         student,
         exercise or path.name,
         path,
-        ledger.received(path, receipt),
+        ledger.receipt_time(path, receipt),
         notebook,
         files,
         claimed,
@@ -398,7 +398,7 @@ def missing_file_lines(
         submissions: The folder of submissions.
         out: The folder of records.
     """
-    present = {(one.student, one.exercise) for one in found_submissions}
+    present = {(submission.student, submission.exercise) for submission in found_submissions}
     exercises, places = {exercise for _, exercise in present}, read_submission_folders(out)
     missing = list[str]()
     for result in results:

@@ -171,7 +171,7 @@ class NotebookReview:
         """Warn if the last check may have used changes that are not in the saved file."""
         if not self._last_checks:
             return
-        last_check = max(one.time for one in self._last_checks.values())
+        last_check = max(value.time for value in self._last_checks.values())
         save_time = datetime.fromtimestamp(self._path.stat().st_mtime, UTC)
         unseen = any(one.outcome not in ("passed", "failed") for one in self.tasks.values())
         has_digests = all(one.cells for one in self._last_checks.values())

@@ -307,9 +307,9 @@ class MarkerScene:
         for index in range(len(self.asked)):
             if index not in self.shared_checks:
                 fitting = (
-                    one
-                    for one in groups
-                    if not any(self.asked[index].contradicts(self.asked[other]) for other in one)
+                    group
+                    for group in groups
+                    if not any(self.asked[index].contradicts(self.asked[other]) for other in group)
                 )
                 subject = next(fitting, None)
                 if subject is None:

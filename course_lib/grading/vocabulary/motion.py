@@ -452,7 +452,7 @@ def expect_path(
             if is_close(math.dist(map(abs, position), map(abs, expected)), 0.0, tolerance):
                 return [Problem(message, "a pose of a path is mirrored")]
             return [Problem(message, "a pose of a path is at the wrong place")]
-    own_frames = {one.header.frame_id for one in path.poses} - {frame}
+    own_frames = {pose.header.frame_id for pose in path.poses} - {frame}
     if own_frames:
         message = f"a pose of the path on {topic} has the frame {min(own_frames)!r} in its own header"
         return [Problem(f"{message}, expected {frame!r}", "the frame of a pose in a path is wrong")]

@@ -213,7 +213,7 @@ def wait_for_connections(nodes: Sequence[Any], inputs: Sequence[str]) -> None:
     publishers = [one for node in nodes for one in node.publishers if one.topic_name not in OWN_TOPICS]
     deadline = time.monotonic() + CONNECT_SECONDS
     while time.monotonic() < deadline:
-        are_heard = all(one.get_subscription_count() for one in publishers)
+        are_heard = all(publisher.get_subscription_count() for publisher in publishers)
         if are_heard and all(nodes[0].count_publishers(topic) for topic in inputs):
             return
         time.sleep(0.01)

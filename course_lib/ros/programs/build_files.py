@@ -420,7 +420,7 @@ def _installed_by_cmake(
         if kind != "DIRECTORY":
             yield (renamed[0] if renamed else file.name), file
         elif file.is_dir():
-            yield from ((one.name, one) for one in sorted(file.iterdir())[:_MAX_FILES])
+            yield from ((path.name, path) for path in sorted(file.iterdir())[:_MAX_FILES])
 
 
 def _placed_by_cmake(

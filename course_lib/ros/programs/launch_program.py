@@ -23,9 +23,9 @@ from typing import Any, NoReturn, cast
 
 from ament_index_python.packages import PackageNotFoundError
 from launch import events
-from launch.actions import IncludeLaunchDescription, declared
+from launch.actions import IncludeLaunchDescription, find_declarations
 from launch.conditions import InvalidConditionExpressionError
-from launch.entities import Action, Entities, Event, LaunchContext, Substitution, listed, text_of
+from launch.entities import Action, Entities, Event, LaunchContext, Substitution, as_entity_list, text_of
 from launch.event_handlers import OnProcessIO
 from launch.launch_description_sources import LaunchDescriptionSource
 
@@ -320,7 +320,7 @@ class LaunchProgram(Process):
     def arguments(self) -> str:
         """Describe the arguments as `ros2 launch --show-args` does."""
         lines = ["Arguments (pass arguments as '<name>:=<value>'):"]
-        for argument in declared(self.describe(), self._context):
+        for argument in find_declarations(self.describe(), self._context):
             lines += ["", f"    '{argument.name}':", f"        {argument.description}"]
             if argument.default_value is not None:
                 default = text_of(self._context, argument.default_value)
@@ -450,7 +450,7 @@ class LaunchProgram(Process):
         return LaunchDescriptionSource(self.file).get_launch_description(self._context)
 
     def _visit(self, entities: Entities | None, parent: object = None) -> None:
-        for entity in listed(entities):
+        for entity in as_entity_list(entities):
             try:
                 if not hasattr(entity, "visit"):
                     kind = type(entity).__name__

@@ -546,8 +546,8 @@ def _link(place: Path, file: Path) -> None:
         place.symlink_to(file.resolve())
     elif place.is_dir() and file.is_dir() and not place.samefile(file):
         _open_folder(place)
-        for one in file.iterdir():
-            _link(place / one.name, one)
+        for path in file.iterdir():
+            _link(place / path.name, path)
 
 
 def _open_folder(place: Path) -> None:

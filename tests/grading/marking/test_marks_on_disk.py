@@ -22,7 +22,7 @@ from course_lib.grading.marking.marking_queue import MarkingQueue
 from course_lib.grading.marks import MarkEntry, MarksConflictError
 out, name, first, last = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
 queue = MarkingQueue(out)
-keys = [item["key"] for item in queue.since(0)["items"]]
+keys = [item["key"] for item in queue.changes_since(0)["items"]]
 for number in range(first, last):
     key = keys[number % len(keys)]
     while True:
@@ -46,7 +46,7 @@ def comments(out: Path) -> list[str]:
 
 
 def item(queue: MarkingQueue, student: str, task: str) -> str:
-    items = queue.since(0)["items"]
+    items = queue.changes_since(0)["items"]
     (key,) = [one["key"] for one in items if (one["student"], one["task"]) == (student, task)]
     return str(key)
 
@@ -169,22 +169,22 @@ def test_comment_without_points_keeps_the_points_and_the_last_comment_of_a_row_c
 def test_marking_queue_reports_a_damaged_file_and_serves_the_others(kinds: Course, tmp_path: Path) -> None:
     out = tmp_path / "out"
     queue = MarkingQueue(out)
-    before = queue.since(0)
+    before = queue.changes_since(0)
     file = marks_path(out, "bob", "week05_exercise")
     file.parent.mkdir(parents=True)
     file.write_text("[{")
-    now = queue.since(before["number"])
+    now = queue.changes_since(before["number"])
     assert [str(file) in problem for problem in now["problems"]] == [True]
     file.write_text(json.dumps([]))
-    assert queue.since(now["number"])["problems"] == []
+    assert queue.changes_since(now["number"])["problems"] == []
 
 
 def test_only_changed_items_are_sent(kinds: Course, tmp_path: Path) -> None:
     queue = MarkingQueue(tmp_path / "out")
-    first = queue.since(0)
+    first = queue.changes_since(0)
     assert len(first["items"]) == 4
-    assert queue.since(first["number"])["items"] == []
+    assert queue.changes_since(first["number"])["items"] == []
     mark_by_hand(tmp_path / "out", "bob", "week05", "motto", "1", course=kinds)
-    changed = queue.since(first["number"])["items"]
+    changed = queue.changes_since(first["number"])["items"]
     assert {one["student"] for one in changed} == {"bob"}
     assert [one["state"] for one in changed if one["task"] == MOTTO] == ["marked"]

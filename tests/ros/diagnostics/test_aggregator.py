@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from diagnostic_aggregator.aggregator_node import Aggregator, without_prefix
+from diagnostic_aggregator.aggregator_node import Aggregator, strip_prefix
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -229,4 +229,4 @@ def test_missing_stamp_is_warned_about_once(robot: Bench, capfd: pytest.CaptureF
     ],
 )
 def test_prefix_is_stripped_from_the_last_path_component(name: str, prefix: str, short: str) -> None:
-    assert without_prefix(name, prefix) == short
+    assert strip_prefix(name, prefix) == short

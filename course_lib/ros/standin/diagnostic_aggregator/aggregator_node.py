@@ -91,7 +91,7 @@ class GenericAnalyzer:
             level = STALE if name in stale else status.level
             path = f"{self.path}/{output_name(name)}"
             reported.append(DiagnosticStatus(name=path, level=level, **fields))
-        header.level = worst([s.level for s in reported[1:]] or [OK if self._discards else STALE])
+        header.level = worst_level([s.level for s in reported[1:]] or [OK if self._discards else STALE])
         header.message = level_name(header.level)
         there = len(self._items)
         if there == self._count == 0:
@@ -102,7 +102,7 @@ class GenericAnalyzer:
             header.message = count_text if there else f"No items found, expected {self._count}"
         for status in reported:
             for prefix in self._prefixes:
-                status.name = without_prefix(status.name, prefix)
+                status.name = strip_prefix(status.name, prefix)
         return reported
 
 
@@ -155,7 +155,7 @@ class AnalyzerGroup:
                 if status.name == analyzer.path:
                     header.values.append(KeyValue(key=analyzer.name, value=status.message))
                     levels.append(status.level)
-        header.level = worst(levels or [OK])
+        header.level = worst_level(levels or [OK])
         header.message = level_name(header.level)
         return [*reported, *([header] if self.path else []), *self._failed]
 
@@ -226,7 +226,7 @@ def level_name(level: bytes) -> str:
     return _WORDS.get(level, "Error")
 
 
-def worst(levels: Sequence[bytes]) -> bytes:
+def worst_level(levels: Sequence[bytes]) -> bytes:
     """Return the worst level. Stale together with other levels is an error."""
     level = max(levels)
     return ERROR if level == STALE and set(levels) != {STALE} else level
@@ -237,7 +237,7 @@ def output_name(name: str) -> str:
     return name.replace("/", " ")
 
 
-def without_prefix(name: str, prefix: str) -> str:
+def strip_prefix(name: str, prefix: str) -> str:
     """Remove a prefix, and a following colon and spaces, from the last part of a path."""
     begin = name.rfind("/") + 1
     if not prefix:
@@ -292,7 +292,7 @@ class Aggregator(Node):
         tree = DiagnosticArray(status=statuses)
         tree.header.stamp = now.to_msg()
         self._tree.publish(tree)
-        self._publish_top("toplevel_state", worst([status.level for status in statuses] or [ERROR]))
+        self._publish_top("toplevel_state", worst_level([status.level for status in statuses] or [ERROR]))
 
     def _publish_top(self, name: str, level: bytes) -> None:
         self._top_level = level

@@ -25,8 +25,8 @@ from launch.entities import (
     LaunchDescriptionEntity,
     Reaction,
     SubstitutionFailure,
-    listed,
-    several_entities,
+    as_entity_list,
+    require_entity_list,
     text_of,
 )
 from launch.entities import SomeSubstitutionsType as Some
@@ -411,7 +411,7 @@ class GroupAction(Action):
         **options: Any,
     ) -> None:
         super().__init__(self._open, **options)
-        self.actions = several_entities("GroupAction", actions)
+        self.actions = require_entity_list("GroupAction", actions)
         self._own = dict(launch_configurations or {})
         self._scoped, self._forwarding = scoped, forwarding
 
@@ -483,7 +483,7 @@ class TimerAction(Action):
         **options: Any,
     ) -> None:
         super().__init__(self._begin, **options)
-        self.period, self.actions = period, several_entities("TimerAction", actions)
+        self.period, self.actions = period, require_entity_list("TimerAction", actions)
         self._is_canceled = False
 
     def cancel(self) -> None:
@@ -545,20 +545,20 @@ class Shutdown(Action):
         super().__init__(do, **options)
 
 
-def declared(entities: Entities, context: LaunchContext) -> list[DeclareLaunchArgument]:
+def find_declarations(entities: Entities, context: LaunchContext) -> list[DeclareLaunchArgument]:
     """List the arguments that entities declare, also in groups, timers and included files.
 
     As in ROS, an included file whose path is unknown before the launch is left out.
     """
     declarations: list[DeclareLaunchArgument] = []
-    for entity in listed(entities):
+    for entity in as_entity_list(entities):
         if isinstance(entity, DeclareLaunchArgument):
             declarations.append(entity)
         elif isinstance(entity, LaunchDescription):
-            declarations += declared(entity.entities, context)
+            declarations += find_declarations(entity.entities, context)
         elif isinstance(entity, GroupAction | TimerAction):
-            declarations += declared(entity.actions, context)
+            declarations += find_declarations(entity.actions, context)
         elif isinstance(entity, IncludeLaunchDescription):
             with suppress(SubstitutionFailure, PackageNotFoundError):
-                declarations += declared(entity.source.get_launch_description(context), context)
+                declarations += find_declarations(entity.source.get_launch_description(context), context)
     return declarations

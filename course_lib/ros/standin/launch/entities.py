@@ -237,7 +237,7 @@ class LaunchDescription(LaunchDescriptionEntity):
         *,
         deprecated_reason: str | None = None,
     ) -> None:
-        self.entities = several_entities("LaunchDescription", initial_entities)
+        self.entities = require_entity_list("LaunchDescription", initial_entities)
         self.deprecated_reason = deprecated_reason
         self.place = _place_in_launch_file()
 
@@ -274,10 +274,10 @@ class BaseEventHandler:
 
     def handle(self, event: Event, context: LaunchContext) -> list[LaunchDescriptionEntity]:
         """Return the entities to visit."""
-        return listed(self._entities(event, context) if callable(self._entities) else self._entities)
+        return as_entity_list(self._entities(event, context) if callable(self._entities) else self._entities)
 
 
-def several_entities(
+def require_entity_list(
     name: str, entities: Iterable[LaunchDescriptionEntity] | None
 ) -> list[LaunchDescriptionEntity]:
     """Return entities that were passed to `name` as a list.
@@ -290,7 +290,7 @@ def several_entities(
     return list(entities or ())
 
 
-def listed(entities: Entities | None) -> list[LaunchDescriptionEntity]:
+def as_entity_list(entities: Entities | None) -> list[LaunchDescriptionEntity]:
     """Return one entity, several or None as a list."""
     if entities is None:
         return []

@@ -12,7 +12,7 @@ from launch.entities import (
     LaunchContext,
     LaunchDescriptionEntity,
     Reaction,
-    listed,
+    as_entity_list,
 )
 from launch.events import IncludeLaunchDescription as _Included
 from launch.events import ProcessExited, ProcessIO, ProcessStarted
@@ -110,7 +110,7 @@ class OnProcessIO(OnActionEventBase):
 
         def react(event: ProcessIO, context: LaunchContext) -> list[LaunchDescriptionEntity]:
             reaction = reactions[event.fd]
-            return [] if reaction is None else listed(reaction(event))
+            return [] if reaction is None else as_entity_list(reaction(event))
 
         super().__init__(action_matcher=target_action, on_event=react, target_event_cls=ProcessIO, **options)
 

@@ -9,7 +9,7 @@ from launch.entities import (
     SomeEntitiesType,
     SomeSubstitutionsType,
     Substitution,
-    listed,
+    as_entity_list,
     text_of,
 )
 from launch.substitutions import TextSubstitution
@@ -28,7 +28,7 @@ def normalize_to_list_of_entities(
     entities: Iterable[SomeEntitiesType],
 ) -> list[LaunchDescriptionEntity]:
     """Return entities, and lists of them, as one list."""
-    return [one for part in entities for one in listed(part)]
+    return [one for part in entities for one in as_entity_list(part)]
 
 
 def is_a(obj: object, entity_type: type) -> bool:

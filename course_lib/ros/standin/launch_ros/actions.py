@@ -32,7 +32,7 @@ from course_lib.ros.messages import deserialize, serialize
 from course_lib.ros.programs.packages import NotHereError
 from launch_ros.events.lifecycle import ChangeState, StateTransition
 from launch_ros.events.matchers import matches_node_name
-from launch_ros.parameter_descriptions import ParameterFile, check_values, evaluated, words_for
+from launch_ros.parameter_descriptions import ParameterFile, check_values, evaluate_value, words_for
 
 # Names of the launch configurations that hold the settings.
 _NAMESPACE, PARAMETERS, _REMAPS = "ros_namespace", "global_params", "ros_remaps"
@@ -57,7 +57,7 @@ class SetParameter(Action):
 
     def __init__(self, name: Some, value: Any, **options: Any) -> None:
         def do(context: LaunchContext) -> None:
-            _add(context, PARAMETERS, {text_of(context, name): evaluated(context, value)})
+            _add(context, PARAMETERS, {text_of(context, name): evaluate_value(context, value)})
 
         super().__init__(do, **options)
 

@@ -11,13 +11,13 @@ from launch.frontend.element import (
     Form,
     Parts,
     actions,
-    built,
+    build_element,
     command_line,
+    list_reader,
     mapping,
-    of,
     pairs,
     parse_substitution,
-    several,
+    reader_of,
     text,
     word,
 )
@@ -39,10 +39,10 @@ def _value(entity: Entity, name: str) -> Any:
     if kind is not None and kind not in _TYPES:
         raise entity.error(f"type is '{kind}', expected one of {', '.join(map(str, _TYPES))}")
     value = entity.get(name, _SCALARS.get(kind))
-    return [_parsed(part) for part in value] if isinstance(value, list) else _parsed(value)
+    return [_parse_value(part) for part in value] if isinstance(value, list) else _parse_value(value)
 
 
-def _parsed(value: Any) -> Any:
+def _parse_value(value: Any) -> Any:
     if not isinstance(value, str):
         return value
     parts = parse_substitution(value)
@@ -51,10 +51,10 @@ def _parsed(value: Any) -> Any:
 
 
 def _inner_parameters(entity: Entity, name: str) -> dict[Any, Any] | None:
-    parameters = [built(child, _PARAMETER) for child in entity.named(name)]
+    parameters = [build_element(child, _PARAMETER) for child in entity.named(name)]
     if not all(isinstance(one, dict) for one in parameters):
         raise entity.error("a param with 'from' cannot stand in another one")
-    return {key: value for one in parameters for key, value in one.items()} or None
+    return {key: value for parameter in parameters for key, value in parameter.items()} or None
 
 
 def _parameter(
@@ -84,7 +84,7 @@ _PARAMETER = Element(
     (
         Attribute("name", text),
         Attribute("from", text, "file"),
-        Attribute("allow_substs", of(bool)),
+        Attribute("allow_substs", reader_of(bool)),
         Attribute("type", word, "kind"),
         Attribute("value", _value),
         Attribute("param", _inner_parameters, "inner"),
@@ -92,7 +92,7 @@ _PARAMETER = Element(
     conditional=False,
 )
 _OF_NODES = (
-    Attribute("param", several(_PARAMETER), "parameters"),
+    Attribute("param", list_reader(_PARAMETER), "parameters"),
     Attribute("remap", pairs("from", "to"), "remappings"),
 )
 _NODE = (
@@ -116,7 +116,7 @@ _COMPONENT = Element(
         Attribute("extra_arg", mapping, "extra_arguments"),
     ),
 )
-_COMPONENTS = Attribute("composable_node", several(_COMPONENT), "composable_node_descriptions")
+_COMPONENTS = Attribute("composable_node", list_reader(_COMPONENT), "composable_node_descriptions")
 _NAMESPACE = Element(ros.PushRosNamespace, (Attribute("namespace", text, needed=True),))
 
 ELEMENTS |= {
@@ -128,7 +128,7 @@ ELEMENTS |= {
     "push-ros-namespace": _NAMESPACE,
     "push_ros_namespace": _NAMESPACE,
     "ros_timer": Element(
-        ros.ROSTimer, (Attribute("period", of(float), needed=True), Attribute("", actions, "actions"))
+        ros.ROSTimer, (Attribute("period", reader_of(float), needed=True), Attribute("", actions, "actions"))
     ),
     "set_parameter": Element(
         ros.SetParameter, (Attribute("name", text, needed=True), Attribute("value", text, needed=True))

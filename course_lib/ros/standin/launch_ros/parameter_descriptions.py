@@ -30,7 +30,7 @@ class ParameterValue:
         is_number = isinstance(self._value, int | float)
         if self._type is str and not is_number:
             return text_of(context, self._value)
-        value = evaluated(context, self._value, name)
+        value = evaluate_value(context, self._value, name)
         return self._type(value) if isinstance(self._type, type) else value
 
 
@@ -72,7 +72,7 @@ class ParameterFile:
         return Path(copy.name)
 
 
-def evaluated(context: LaunchContext, value: Any, name: str = "") -> Any:
+def evaluate_value(context: LaunchContext, value: Any, name: str = "") -> Any:
     """Return a parameter's value.
 
     As in ROS, strings with substitutions are parsed as YAML, other strings are not.
@@ -86,7 +86,7 @@ def evaluated(context: LaunchContext, value: Any, name: str = "") -> Any:
     if any(isinstance(part, Substitution) for part in several):
         return _read(text_of(context, value), name)
     if isinstance(value, list | tuple):
-        return [evaluated(context, part, name) for part in value]
+        return [evaluate_value(context, part, name) for part in value]
     return value
 
 
@@ -131,7 +131,7 @@ def flat_values(
         if isinstance(value, Mapping):
             yield from flat_values(context, value, f"{name}.")
         else:
-            yield name, evaluated(context, value, name)
+            yield name, evaluate_value(context, value, name)
 
 
 def _read(text: str, name: str) -> Any:

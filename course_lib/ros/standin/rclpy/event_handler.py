@@ -180,7 +180,7 @@ class EventCallbacks:
         handlers += [EventHandler(node, callback_group, tell[name]) for name in tell.keys() - callbacks]
         for name, callback in callbacks.items():
             handlers.append(EventHandler(node, callback_group, callback))
-            tell[name] = handlers[-1].happen
+            tell[name] = handlers[-1].record
         return Events(tell, handlers)
 
 
@@ -212,7 +212,7 @@ class EventHandler(Entity):
         self.callback = callback
         self._info: Any = None
 
-    def happen(self, info: Any) -> None:
+    def record(self, info: Any) -> None:
         """Record an event. Events that occur before the callback runs are merged into one call."""
         if self._info is None:
             self._course_node.mark_ready(self)

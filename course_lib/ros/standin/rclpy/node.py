@@ -40,7 +40,7 @@ from rclpy.exceptions import (
 from rclpy.exceptions import NodeNameNonExistentError as NodeNameNonExistentError
 from rclpy.executors import Executor
 from rclpy.impl import names, private_names
-from rclpy.impl.arguments import joined, parse
+from rclpy.impl.arguments import merge_arguments, parse
 from rclpy.impl.endpoint import Endpoint, TopicEnd, claim_topic, require_type
 from rclpy.impl.graph_queries import (
     NamesAndTypes,
@@ -61,7 +61,7 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_service import LoggingService, ParameterService, TypeDescriptionService
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events, qos_profile_services_default
-from rclpy.qos_overriding_options import Declares, QoSOverridingOptions, overridden
+from rclpy.qos_overriding_options import Declares, QoSOverridingOptions, apply_overrides
 from rclpy.service import Service
 from rclpy.subscription import MessageInfo, Subscription
 from rclpy.time_source import TimeSource
@@ -170,7 +170,7 @@ class Node:
         local = parse([] if cli_args is None else cli_args)
         for warning in local.warnings:
             get_logger("rcl").warning(warning)
-        arguments = joined(local, context.arguments) if use_global_arguments else local
+        arguments = merge_arguments(local, context.arguments) if use_global_arguments else local
         self.__handle = enter_graph(context, node_name, namespace or "", arguments)
         self.__clock = ROSClock()
         self.__created_entities: list[Any] = []
@@ -706,7 +706,7 @@ class Node:
             if qos_profile < 0:
                 raise ValueError("history depth must be greater than or equal to zero")
             qos_profile = QoSProfile(depth=qos_profile)
-        return overridden(cast("Declares", self), kind, topic, qos_profile, options)
+        return apply_overrides(cast("Declares", self), kind, topic, qos_profile, options)
 
     def __created_of(self, kind: type) -> Iterator[Any]:
         return (created for created in self.__created_entities if isinstance(created, kind))

@@ -66,7 +66,7 @@ class Declares(Protocol):
         """Return a parameter."""
 
 
-def overridden(
+def apply_overrides(
     node: Declares,
     kind: Literal["publisher", "subscription"],
     topic: str,

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from rclpy.context import Context
 from rclpy.context import get_default_context as get_default_context
 from rclpy.duration import S_TO_NS
-from rclpy.impl.arguments import without_ros
+from rclpy.impl.arguments import strip_ros_arguments
 
 RMW = "rmw_course_lib"
 
@@ -32,7 +32,7 @@ def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
     Arguments between `--ros-args` and `--` are removed, and so are remappings like
     `chatter:=other`.
     """
-    return without_ros(sys.argv if args is None else args)
+    return strip_ros_arguments(sys.argv if args is None else args)
 
 
 def timeout_sec_to_nsec(timeout_sec: float | None) -> int:

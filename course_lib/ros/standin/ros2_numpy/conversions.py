@@ -113,7 +113,7 @@ def numpy_to_quat(arr: Any) -> Any:
     if values.shape[-1:] != (4,):
         raise ValueError(f"a quaternion has the four numbers x, y, z, w, not the shape {values.shape}")
     if values.ndim > 1:
-        return [numpy_to_quat(one) for one in values]
+        return [numpy_to_quat(value) for value in values]
     x, y, z, w = map(float, values)
     return Quaternion(x=x, y=y, z=z, w=w)
 
@@ -151,7 +151,7 @@ def numpy_to_pose(arr: Any) -> Pose:
 def _of_last_axis(cls: type[Any], arr: Any, homogeneous: float) -> Any:
     values = np.asarray(arr, dtype=float)
     if values.ndim > 1:
-        return [_of_last_axis(cls, one, homogeneous) for one in values]
+        return [_of_last_axis(cls, value, homogeneous) for value in values]
     if values.shape not in ((3,), (4,)):
         raise ValueError(f"a {cls.__name__} has three or four numbers, not the shape {values.shape}")
     if len(values) == 4:

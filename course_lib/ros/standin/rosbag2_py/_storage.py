@@ -210,7 +210,7 @@ def folder_of(uri: str) -> Path:
     return path.parent
 
 
-def whole(uri: str) -> Recording:
+def read_recording(uri: str) -> Recording:
     """Read a bag. Raise a BagError if there is none."""
     try:
         return read_bag(folder_of(uri))
@@ -223,7 +223,7 @@ class Info:
 
     def read_metadata(self, uri: str, storage_id: str) -> BagMetadata:
         """Return the metadata of a bag. Its storage is detected, so `storage_id` has no effect."""
-        return metadata(folder_of(uri), whole(uri))
+        return metadata(folder_of(uri), read_recording(uri))
 
 
 def metadata(folder: Path, recording: Recording) -> BagMetadata:
@@ -325,7 +325,7 @@ class SequentialReader:
 
     def open_uri(self, uri: str) -> None:
         """Open a bag, given by its folder or by its only file."""
-        self._recording = whole(uri)
+        self._recording = read_recording(uri)
         self._folder = folder_of(uri)
         self._samples = sorted(self._recording.samples, key=lambda sample: sample.stamp_ns)
         self._at = 0
@@ -336,7 +336,7 @@ class SequentialReader:
 
     def has_next(self) -> bool:
         """Return whether there is a further message on the selected topics."""
-        self._opened()
+        self._require_open()
         while self._at < len(self._samples) and not _is_selected(self._filter, self._samples[self._at].topic):
             self._at += 1
         return self._at < len(self._samples)
@@ -354,7 +354,7 @@ class SequentialReader:
 
         When reading backwards, move to the last message at or before it.
         """
-        self._opened()
+        self._require_open()
         sign = -1 if self._reverse else 1
         self._at = bisect_left(self._samples, sign * timestamp, key=lambda sample: sign * sample.stamp_ns)
 
@@ -368,7 +368,7 @@ class SequentialReader:
 
     def set_read_order(self, order: ReadOrder) -> bool:
         """Set the order of reading from now on. Return True, because every order is supported."""
-        self._opened()
+        self._require_open()
         if order.reverse != self._reverse:
             self._reverse = order.reverse
             self._samples.reverse()
@@ -377,13 +377,13 @@ class SequentialReader:
 
     def get_all_topics_and_types(self) -> list[TopicMetadata]:
         """List the topics of the bag."""
-        return [topic.topic_metadata for topic in topics(self._folder, self._opened())]
+        return [topic.topic_metadata for topic in topics(self._folder, self._require_open())]
 
     def get_metadata(self) -> BagMetadata:
         """Return the metadata of the bag."""
-        return metadata(self._folder, self._opened())
+        return metadata(self._folder, self._require_open())
 
-    def _opened(self) -> Recording:
+    def _require_open(self) -> Recording:
         if self._recording is None:
             raise BagError("Bag is not open. Call open() before reading.")
         return self._recording
@@ -433,7 +433,7 @@ class SequentialWriter:
         folder = Path(storage_options.uri)
         if folder.exists():
             raise BagError(f"Bag directory already exists ({folder}), can't overwrite existing bag")
-        with _explained(folder):
+        with _raise_bag_errors(folder):
             self._writer = BagWriter(
                 folder,
                 storage,
@@ -447,20 +447,20 @@ class SequentialWriter:
 
     def create_topic(self, topic_with_type: TopicMetadata) -> None:
         """Add a topic. Raise a RuntimeError if its type is unknown."""
-        writer = self._opened()
+        writer = self._require_open()
         if topic_with_type.name not in self._types:
-            with _explained(self._folder):
+            with _raise_bag_errors(self._folder):
                 writer.add(topic_with_type.name, topic_with_type.type, topic_with_type.offered_qos_profiles)
             self._types[topic_with_type.name] = topic_with_type.type
 
     def remove_topic(self, topic_with_type: TopicMetadata) -> None:
         """Reject further messages of a topic."""
-        self._opened()
+        self._require_open()
         self._types.pop(topic_with_type.name, None)
 
     def write(self, topic_name: str, message: bytes, time_stamp: int) -> None:
         """Append a message, given as CDR bytes, with its stamp [ns]."""
-        writer = self._opened()
+        writer = self._require_open()
         if topic_name not in self._types:
             raise BagError(
                 f"Failed to write on topic '{topic_name}'. Call create_topic() before first write."
@@ -478,16 +478,16 @@ class SequentialWriter:
             while size > self._options.max_cache_size:
                 size -= len(self._cache.popleft()[1])
             return
-        with _explained(self._folder):
+        with _raise_bag_errors(self._folder):
             writer.write(topic_name, self._types[topic_name], time_stamp, message)
 
     def take_snapshot(self) -> bool:
         """Write the cached messages. Return False if the bag was not opened in snapshot mode."""
-        writer = self._opened()
+        writer = self._require_open()
         if not self._options.snapshot_mode:
             say("SequentialWriter take_snapshot called when snapshot mode is disabled")
             return False
-        with _explained(self._folder):
+        with _raise_bag_errors(self._folder):
             for topic, message, stamp_ns in self._cache:
                 writer.write(topic, self._types[topic], stamp_ns, message)
         self._cache.clear()
@@ -502,7 +502,7 @@ class SequentialWriter:
         self._writer = None
         self._close()
 
-    def _opened(self) -> BagWriter:
+    def _require_open(self) -> BagWriter:
         if self._writer is None:
             raise BagError(_CLOSED)
         return self._writer
@@ -553,12 +553,12 @@ def _check_options(options: StorageOptions, converter: ConverterOptions) -> tupl
 
 
 def _complete(writer: BagWriter, folder: Path) -> None:
-    with _explained(folder):
+    with _raise_bag_errors(folder):
         writer.close()
 
 
 @contextmanager
-def _explained(folder: Path) -> Iterator[None]:
+def _raise_bag_errors(folder: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:

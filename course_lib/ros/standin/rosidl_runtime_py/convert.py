@@ -30,7 +30,7 @@ def message_to_ordereddict(
     msg: Any, *, truncate_length: int | None = None, no_arr: bool = False, no_str: bool = False
 ) -> "OrderedDict[str, Any]":
     """Convert a message to nested dictionaries in the order of its fields."""
-    ordered: OrderedDict[str, Any] = _ordered(to_dict(msg, PrintOptions(truncate_length, no_arr, no_str)))
+    ordered: OrderedDict[str, Any] = _to_ordered(to_dict(msg, PrintOptions(truncate_length, no_arr, no_str)))
     return ordered
 
 
@@ -39,10 +39,10 @@ def get_message_slot_types(msg: Any) -> "OrderedDict[str, Any]":
     return OrderedDict(zip(msg.get_fields_and_field_types(), msg.SLOT_TYPES, strict=True))
 
 
-def _ordered(value: Any) -> Any:
+def _to_ordered(value: Any) -> Any:
     if isinstance(value, dict):
-        return OrderedDict((name, _ordered(item)) for name, item in value.items())
-    return [_ordered(item) for item in value] if isinstance(value, list) else value
+        return OrderedDict((name, _to_ordered(item)) for name, item in value.items())
+    return [_to_ordered(item) for item in value] if isinstance(value, list) else value
 
 
 def set_message_fields(

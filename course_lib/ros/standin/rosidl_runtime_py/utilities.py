@@ -8,22 +8,22 @@ from rosidl_parser.definition import NamespacedType
 
 def get_interface(identifier: str) -> Any:
     """Return the class for a full type name such as std_msgs/msg/String."""
-    return _imported(identifier, None)
+    return _import_class(identifier, None)
 
 
 def get_message(identifier: str) -> Any:
     """Return the class of a message type such as std_msgs/msg/String or std_msgs/String."""
-    return _checked(identifier, "msg", is_message, "a message")
+    return _import_checked(identifier, "msg", is_message, "a message")
 
 
 def get_service(identifier: str) -> Any:
     """Return the class of a service type such as std_srvs/srv/Trigger."""
-    return _checked(identifier, "srv", is_service, "a service")
+    return _import_checked(identifier, "srv", is_service, "a service")
 
 
 def get_action(identifier: str) -> Any:
     """Return the class of an action type such as example_interfaces/action/Fibonacci."""
-    return _checked(identifier, "action", is_action, "an action")
+    return _import_checked(identifier, "action", is_action, "an action")
 
 
 def is_message(interface: Any) -> bool:
@@ -41,14 +41,14 @@ def is_action(interface: Any) -> bool:
     return all(hasattr(interface, part) for part in ("Goal", "Result", "Feedback"))
 
 
-def _checked(identifier: str, folder: str, fits: Any, what: str) -> Any:
-    interface = _imported(identifier, folder)
+def _import_checked(identifier: str, folder: str, fits: Any, what: str) -> Any:
+    interface = _import_class(identifier, folder)
     if not fits(interface):
         raise ValueError(f"Expected the full name of {what}, got '{identifier}'")
     return interface
 
 
-def _imported(identifier: str, folder: str | None) -> Any:
+def _import_class(identifier: str, folder: str | None) -> Any:
     *spaces, name = identifier.split("/")
     if len(spaces) == 1 and folder is not None:
         spaces.append(folder)

@@ -59,24 +59,24 @@ class ConvertRegistration:
 
         Raise TypeException if there is none.
         """
-        return _registered(self._to_msg, key)
+        return _find_function(self._to_msg, key)
 
     def get_from_msg(self, key: type[Any]) -> Callable[[Any], Any]:
         """Return the function that converts a message to a type.
 
         Raise TypeException if there is none.
         """
-        return _registered(self._from_msg, key)
+        return _find_function(self._from_msg, key)
 
     def get_convert(self, key: tuple[type[Any], type[Any]]) -> Callable[[Any], Any]:
         """Return the function that converts one type to another.
 
         Raise TypeException if there is none.
         """
-        return _registered(self._convert, key)
+        return _find_function(self._convert, key)
 
 
-def _registered(functions: dict[Any, Callable[[Any], Any]], key: Any) -> Callable[[Any], Any]:
+def _find_function(functions: dict[Any, Callable[[Any], Any]], key: Any) -> Callable[[Any], Any]:
     if key not in functions:
         raise TypeException(f"Type {key} is not loaded or supported")
     return functions[key]

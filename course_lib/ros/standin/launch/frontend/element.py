@@ -75,7 +75,7 @@ def parse_substitution(text: str) -> Parts:
     return parts
 
 
-def unescaped(text: str) -> str:
+def unescape(text: str) -> str:
     r"""Replace escaped characters such as `\(` with the characters themselves."""
     return re.sub(r"\\(.)", r"\1", text)
 
@@ -104,7 +104,7 @@ class _Reader:
                 parts.append(self._substitution(quote))
             elif match := pattern.match(self.text, self.at):
                 self.at = match.end()
-                parts.append(TextSubstitution(text=unescaped(match[0])))
+                parts.append(TextSubstitution(text=unescape(match[0])))
             else:
                 return parts
 
@@ -239,7 +239,7 @@ def _action(entity: Entity) -> Action:
     element = ELEMENTS.get(entity.type_name)
     action: Action
     if element is not None:
-        action = built(entity, element)
+        action = build_element(entity, element)
     elif entity.type_name in _OF_SIMULATOR:
         action = Action(partial(_leave_out, not_found_reason(_OF_SIMULATOR[entity.type_name])))
     else:
@@ -253,7 +253,7 @@ def _action(entity: Entity) -> Action:
     return action
 
 
-def built(entity: Entity, element: Element) -> Any:
+def build_element(entity: Entity, element: Element) -> Any:
     """Create the action or part that an element describes.
 
     Raise an EntityError if it is invalid.
@@ -297,10 +297,10 @@ def text(entity: Entity, name: str) -> Parts | None:
 def word(entity: Entity, name: str) -> str | None:
     """Read an attribute as a string without substitutions."""
     value = entity.get(name)
-    return None if value is None else unescaped(value)
+    return None if value is None else unescape(value)
 
 
-def of(kind: type) -> Reader:
+def reader_of(kind: type) -> Reader:
     """Return a reader for values of a type, or for strings with substitutions in their place."""
 
     def read(entity: Entity, name: str) -> Any:
@@ -318,7 +318,7 @@ def actions(entity: Entity, name: str) -> list[Action]:
 def pairs(first: str, second: str) -> Reader:
     """Return a reader for child elements with two attributes."""
     attributes = (Attribute(first, text, "one", True), Attribute(second, text, "other", True))
-    return several(Element(lambda one, other: (tuple(one), other), attributes, conditional=False))
+    return list_reader(Element(lambda one, other: (tuple(one), other), attributes, conditional=False))
 
 
 def launch_arguments(entity: Entity, name: str) -> list[Any] | None:
@@ -333,11 +333,11 @@ def mapping(entity: Entity, name: str) -> dict[Any, Any] | None:
     return None if item_pairs is None else dict(item_pairs)
 
 
-def several(element: Element) -> Reader:
+def list_reader(element: Element) -> Reader:
     """Return a reader for all child elements of a tag, as a list."""
 
     def read(entity: Entity, name: str) -> list[Any] | None:
-        return [built(child, element) for child in entity.named(name)] or None
+        return [build_element(child, element) for child in entity.named(name)] or None
 
     return read
 

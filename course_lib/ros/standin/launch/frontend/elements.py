@@ -11,10 +11,10 @@ from launch.frontend.element import (
     Form,
     command_line,
     launch_arguments,
+    list_reader,
     mapping,
-    of,
     on_exit,
-    several,
+    reader_of,
     text,
     word,
 )
@@ -31,12 +31,12 @@ PROCESS = (
     Attribute("launch-prefix", text, "prefix"),
     Attribute("output", text),
     Attribute("respawn", text),
-    Attribute("respawn_max_retries", of(int)),
-    Attribute("respawn_delay", of(float)),
-    Attribute("sigkill_timeout", of(float)),
-    Attribute("sigterm_timeout", of(float)),
-    Attribute("shell", of(bool)),
-    Attribute("emulate_tty", of(bool)),
+    Attribute("respawn_max_retries", reader_of(int)),
+    Attribute("respawn_delay", reader_of(float)),
+    Attribute("sigkill_timeout", reader_of(float)),
+    Attribute("sigterm_timeout", reader_of(float)),
+    Attribute("shell", reader_of(bool)),
+    Attribute("emulate_tty", reader_of(bool)),
     Attribute("env", mapping, "additional_env"),
 )
 _CHOICE = Element(lambda value: value, (Attribute("value", word, needed=True),), conditional=False)
@@ -44,7 +44,7 @@ _CHOICE = Element(lambda value: value, (Attribute("value", word, needed=True),),
 ELEMENTS |= {
     "append_env": Element(
         actions.AppendEnvironmentVariable,
-        (_NAME, _VALUE, Attribute("prepend", of(bool)), Attribute("separator", text)),
+        (_NAME, _VALUE, Attribute("prepend", reader_of(bool)), Attribute("separator", text)),
     ),
     "arg": Element(
         actions.DeclareLaunchArgument,
@@ -52,15 +52,15 @@ ELEMENTS |= {
             Attribute("name", word, needed=True),
             Attribute("default", text, "default_value"),
             Attribute("description", word),
-            Attribute("choice", several(_CHOICE), "choices"),
+            Attribute("choice", list_reader(_CHOICE), "choices"),
         ),
     ),
     "executable": Element(actions.ExecuteProcess, (Attribute("cmd", command_line, needed=True), *PROCESS)),
     "group": Element(
         actions.GroupAction,
         (
-            Attribute("scoped", of(bool)),
-            Attribute("forwarding", of(bool)),
+            Attribute("scoped", reader_of(bool)),
+            Attribute("forwarding", reader_of(bool)),
             Attribute("keep", mapping, "launch_configurations"),
             Attribute("keep", inner, "actions"),
         ),
@@ -82,7 +82,11 @@ ELEMENTS |= {
     "shutdown": Element(actions.Shutdown, (Attribute("reason", text),)),
     "timer": Element(
         actions.TimerAction,
-        (Attribute("period", of(float), needed=True), _INNER, Attribute("cancel_on_shutdown", of(bool))),
+        (
+            Attribute("period", reader_of(float), needed=True),
+            _INNER,
+            Attribute("cancel_on_shutdown", reader_of(bool)),
+        ),
     ),
     "unset_env": Element(actions.UnsetEnvironmentVariable, (_NAME,)),
 }

@@ -117,7 +117,7 @@ class XmlEntity(Entity):
         """Raise an EntityError for an attribute or child element that has not been read."""
         for name in self.attributes:
             if name not in self._asked:
-                raise self.error(_unexpected("attribute", name, known))
+                raise self.error(_unexpected_message("attribute", name, known))
         for element in self.elements:
             if element.type_name not in self._asked:
                 raise element.error(f"it is not expected in <{self.type_name}>")
@@ -153,7 +153,7 @@ class YamlEntity(Entity):
         self._asked.add(name)
         if items is None:
             return []
-        if not isinstance(items, list) or not all(isinstance(one, dict) for one in items):
+        if not isinstance(items, list) or not all(isinstance(item, dict) for item in items):
             raise self.error(f"{name} is {str(items)[:60]}, expected a list of mappings")
         return [YamlEntity(name, self._lines.get(id(one), self.line), one, self._lines) for one in items]
 
@@ -176,7 +176,7 @@ class YamlEntity(Entity):
         """Raise an EntityError for a key that has not been read."""
         for name in self._value if isinstance(self._value, dict) else ():
             if name not in self._asked:
-                raise self.error(_unexpected("key", str(name), known))
+                raise self.error(_unexpected_message("key", str(name), known))
 
 
 def _fits(value: object, kind: type | None) -> bool:
@@ -185,7 +185,7 @@ def _fits(value: object, kind: type | None) -> bool:
     return isinstance(value, kind) and not (kind is int and isinstance(value, bool))
 
 
-def _unexpected(kind: str, name: str, known_names: Sequence[str]) -> str:
+def _unexpected_message(kind: str, name: str, known_names: Sequence[str]) -> str:
     if name == "ns":
         return f"unexpected {kind} 'ns'. In ROS 2 write <push-ros-namespace namespace=\"…\"/> in a group"
     if name == "doc" and "description" in known_names:

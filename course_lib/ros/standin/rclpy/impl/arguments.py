@@ -113,7 +113,7 @@ def parse(args: Sequence[str]) -> Arguments:
     return parsed
 
 
-def joined(first: Arguments, second: Arguments) -> Arguments:
+def merge_arguments(first: Arguments, second: Arguments) -> Arguments:
     """Merge two sets of arguments. The first one takes precedence."""
     levels = second.log_levels | first.log_levels
     return Arguments(first.remaps + second.remaps, second.overrides + first.overrides, levels)
@@ -126,7 +126,7 @@ def _pattern(nodes: str) -> "re.Pattern[str]":
     return re.compile("".join(wild.get(part, re.escape(part)) for part in parts))
 
 
-def without_ros(args: Sequence[str]) -> list[str]:
+def strip_ros_arguments(args: Sequence[str]) -> list[str]:
     """Return the arguments of the program itself. Raises the errors of `parse`."""
     parse(args)
     return [word for word, is_for_ros in _split(args) if not is_for_ros and _ros_1_remap(word) is None]

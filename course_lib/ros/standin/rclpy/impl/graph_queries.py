@@ -213,7 +213,7 @@ def to_qos(profile: QoSProfile, kind: Literal["pub", "sub"]) -> Qos:
     if not isinstance(profile, QoSProfile):
         raise AttributeError(f"'{type(profile).__name__}' object has no attribute 'get_c_qos_profile'")
     policy_values = {name: getattr(profile, name) for name in POLICIES}
-    if profile.depth < 0 or any(one.name == "UNKNOWN" for one in policy_values.values()):
+    if profile.depth < 0 or any(value.name == "UNKNOWN" for value in policy_values.values()):
         failed = "publisher: create_publisher() failed setting topic QoS"
         raise RCLError(f"Failed to create {failed if kind == 'pub' else 'subscription: invalid allocator'}")
     if kind == "pub" and policy_values["durability"] is DurabilityPolicy.SYSTEM_DEFAULT:

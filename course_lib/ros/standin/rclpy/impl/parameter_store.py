@@ -191,10 +191,10 @@ def _declaration(name: str, *more: Any, namespace: str) -> tuple[str, Any, Param
     if not more:
         warnings.warn(_NAME_ONLY.format(name), stacklevel=5)
         descriptor = ParameterDescriptor(dynamic_typing=True)
-    return name, *_typed(name, value, descriptor or ParameterDescriptor())
+    return name, *_resolve_type(name, value, descriptor or ParameterDescriptor())
 
 
-def _typed(
+def _resolve_type(
     name: str,
     value: Any,
     descriptor: ParameterDescriptor,

@@ -130,7 +130,7 @@ def get_filters_from_kwargs(**kwargs: Any) -> list[str]:
                     f'required parameter "{option}" not specified '
                     f'but is required for the the logging filter "{name}"'
                 )
-    known = [option for one in supported_filters.values() for option in one.params]
+    known = [option for value in supported_filters.values() for option in value.params]
     for option in kwargs:
         if option not in known:
             raise TypeError(f'parameter "{option}" is not one of the recognized logging options "{known}"')
