@@ -150,6 +150,30 @@ def test_failed_and_unchecked_tasks_are_reported(
     ]
 
 
+def test_commands_in_warnings_name_the_notebook_as_it_is_typed(
+    write: Callable[..., Path], folder: Path
+) -> None:
+    (folder / "old work").mkdir()
+    path = write().rename(folder / "old work/week01_exercise.ipynb")
+    text = submit(path).text()
+    assert 'run course check "old work/week01_exercise.ipynb" first' in text
+    assert text.endswith('run again: course submit "old work/week01_exercise.ipynb"')
+
+
+def test_copy_of_the_notebook_in_which_more_tasks_passed_is_reported(
+    checked: list[str], write: Callable[..., Path], folder: Path
+) -> None:
+    (folder / "notes.ipynb").write_text("not a notebook")
+    answered = write(checked).rename(folder / "week01_exercise-Copy1.ipynb")
+    assert warned(answered) == []
+    stub = f"{DEFINED}\n    raise NotImplementedError()\n"
+    found = warned(write([*checked[:HALF], stub, *checked[ANSWER:]]))
+    assert found[-1] == (
+        "week01_exercise-Copy1.ipynb has 3 tasks that passed, this notebook 2: "
+        "to submit that one, type course submit week01_exercise-Copy1.ipynb"
+    )
+
+
 def test_unchanged_stub_of_a_task_is_reported_as_empty(
     checked: list[str], write: Callable[..., Path], folder: Path, course: Course
 ) -> None:

@@ -6,6 +6,7 @@ import json
 import os
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cached_property
@@ -82,13 +83,18 @@ class NotebookReview:
         """The state of each task, by its short name."""
         return {task.id.split(".")[1]: self._assess(task) for task in self._tasks}
 
+    @property
+    def passed_count(self) -> int:
+        """The number of tasks that are as they were when they passed their check."""
+        return sum(one.outcome == "passed" for one in self.tasks.values())
+
     def warnings(self) -> list[str]:
         """Return warnings, one sentence each."""
         problems = [cell.syntax_error for cell in self._cells if cell.syntax_error]
         if self._path.suffix == ".ipynb":
             problems += map(NOT_SUBMITTED.format, own_modules(self._path, self._notebook.cells))
         if self._tasks and not self._last_checks:
-            problems.append(f"it was never checked here: run course check {self._path.name} first")
+            problems.append(f"it was never checked here: run course check {_typed(self._path)} first")
         silent = {"passed"} if self._last_checks else {"passed", "unchecked"}
         problems += [f"{name} {one.text}" for name, one in self.tasks.items() if one.outcome not in silent]
         problems += [*self._unchecked_cells(), *self._unsaved_warning()]
@@ -183,6 +189,13 @@ class NotebookReview:
             )
 
 
+def _typed(path: Path) -> str:
+    """Return a path as it is typed in a terminal in the current folder."""
+    absolute = path.resolve()
+    inner = absolute.relative_to(Path.cwd()) if absolute.is_relative_to(Path.cwd()) else path
+    return f'"{inner}"' if " " in str(inner) else str(inner)
+
+
 def _format_time(time: datetime) -> str:
     return f"{time.astimezone():%H:%M:%S on %d %b}"
 
@@ -212,6 +225,7 @@ class Receipt:
     """The packed file, the content of its receipt, and warnings about the notebook."""
 
     file: Path
+    notebook: Path
     content: Mapping[str, Any]
     warnings: tuple[str, ...] = ()
 
@@ -219,7 +233,7 @@ class Receipt:
         """Return the lines for the student."""
         rows = "".join(f"\n  {key:11} {value or 'none'}" for key, value in self.content.items())
         no_id = "" if self.content["student"] else f"\n{NO_ID.format(first_lesson())}"
-        warned = report(self.warnings, self.content["file"])
+        warned = report(self.warnings, _typed(self.notebook))
         return f"Wrote {self.file}: this is the file to submit. Its receipt:{rows}{no_id}{warned}"
 
 
@@ -261,7 +275,7 @@ def submit(path: Path, out: Path | None = None) -> Receipt:
     except (CourseError, OSError) as error:
         # The file is packed already, so an error in the folder's state is only a warning.
         warnings = [str(error)]
-    return Receipt(out, receipt, tuple(warnings))
+    return Receipt(out, path, receipt, tuple(warnings))
 
 
 def _record_submission(path: Path, notebook: Notebook, out: Path, time: str) -> list[str]:
@@ -271,11 +285,20 @@ def _record_submission(path: Path, notebook: Notebook, out: Path, time: str) -> 
     if folder is not None:
         state.put("packed", exercise, time)
     tasks_of_week = shipped_catalog().tasks_of_week(exercise.split("_")[0])
-    hand_in = NotebookReview(
-        path, notebook, tasks_of_week, state, state.get("identity", "student") or current_identity()
-    )
+    identity = state.get("identity", "student") or current_identity()
+    hand_in = NotebookReview(path, notebook, tasks_of_week, state, identity)
     if folder is not None and path.suffix == ".ipynb":
         tasks = tuple((name, one.outcome) for name, one in hand_in.tasks.items())
         files = str(out.resolve()), str(path.resolve())
         save_packed_submission(state, exercise, PackedSubmission(time, *files, digest_of_cells(path), tasks))
-    return hand_in.warnings()
+    problems = hand_in.warnings()
+    for other in sorted(path.parent.glob("*.ipynb")) if hand_in.passed_count < len(tasks_of_week) else ():
+        with suppress(CourseError, OSError):
+            copy = parse_notebook(read_bytes(other), other.name)
+            review = NotebookReview(other, copy, tasks_of_week, state, identity)
+            if copy.exercise == exercise and review.passed_count > hand_in.passed_count:
+                problems.append(
+                    f"{other.name} has {format_count(review.passed_count, 'task')} that passed, this "
+                    f"notebook {hand_in.passed_count}: to submit that one, type course submit {_typed(other)}"
+                )
+    return problems
