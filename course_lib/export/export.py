@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from course_lib.course.exercise import code_cells, read_notebook
 from course_lib.errors import CourseError
 from course_lib.export.module import (
     Main,
@@ -90,11 +91,24 @@ def export(
             raise CourseError(f"{one} cannot be included; pass files that end in {', '.join(_FOLDERS)}.")
         files[f"{_FOLDERS[one.suffix]}/{one.name}"] = read_bytes(one)
     _write(files, out / package)
-    notes = []
+    notes = list(_copy_note(file))
     for name, why in only_code.items():
         places = [f"{m.name}.py" for m in modules if any(name in part.bindings for part in m.statements)]
         notes.append(f"{name} is not an executable, because it {why}. Its code is in {', '.join(places)}.")
     return ExportedPackage(out / package, tuple(out / package / path for path in sorted(files)), tuple(notes))
+
+
+def _copy_note(file: Path) -> Iterator[str]:
+    """Yield a note if the running notebook is a copy of the exported one, with most of its cells."""
+    running = Path(os.environ.get("JPY_SESSION_NAME", ""))
+    if not (file.suffix == running.suffix == ".ipynb" and running.is_file()) or running.samefile(file):
+        return
+    notebooks = (code_cells(read_notebook(path)) for path in (file, running))
+    ids, running_ids = ({cell["id"] for _, cell in cells if "id" in cell} for cells in notebooks)
+    if len(ids & running_ids) > len(ids) / 2:
+        note = f"The code is from {file.name}. This notebook is {running.name}: write its name to export it."
+        print(note)  # noqa: T201  the cell's output, which need not show the package
+        yield note
 
 
 def _file_texts(

@@ -15,6 +15,8 @@ CELLS = [
     'check("week06.camera", 3)',
     "%ros2 topic list",
     "resume()",
+    "import math\nfrom rclpy.node import Node",
+    "import no_such_module",
     "from course_lib import run_live\nrun_live(3)",
     "%load_ext course_lib",
     "Viewr()",
@@ -59,20 +61,27 @@ def test_resume_that_was_not_imported_names_the_import(shown: list[str]) -> None
 
 
 def test_error_of_the_kit_before_the_first_cell_is_one_line(shown: list[str]) -> None:
-    assert shown[3].startswith("CourseError: 3 is not a node. ")
-    assert len(shown[3].splitlines()) == 1
+    assert shown[5].startswith("CourseError: 3 is not a node. ")
+    assert len(shown[5].splitlines()) == 1
+
+
+def test_import_of_ros_before_the_first_cell_has_a_hint_and_other_imports_have_none(shown: list[str]) -> None:
+    assert "No module named 'rclpy'" in shown[3]
+    assert HINT in shown[3]
+    assert "No module named 'no_such_module'" in shown[4]
+    assert HINT not in shown[4]
 
 
 def test_kit_that_is_loaded_replaces_the_hint(shown: list[str]) -> None:
-    assert HINT not in shown[5]
+    assert HINT not in shown[7]
 
 
 def test_check_without_arguments_has_an_example(shown: list[str]) -> None:
-    assert 'hint: pass the name of the task and your object, as in check("week01.red_cube"' in shown[6]
+    assert 'hint: pass the name of the task and your object, as in check("week01.red_cube"' in shown[8]
 
 
 def test_startup_leaves_no_names(shown: list[str]) -> None:
-    assert "early" not in shown[7]
+    assert "early" not in shown[9]
 
 
 def test_plain_python_runs_the_file_without_effect() -> None:

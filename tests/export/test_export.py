@@ -1,5 +1,6 @@
 import ast
 import errno
+import json
 import os
 import re
 from collections.abc import Callable
@@ -231,6 +232,24 @@ def test_class_that_is_not_startable_is_exported_without_executable(
     assert {f"test_{name}.py" for name in executables} == tests - {
         "test_copyright.py", "test_flake8.py", "test_pep257.py"
     }  # fmt: skip
+
+
+def test_export_of_the_notebook_from_which_the_running_one_was_copied_has_a_note(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = write_notebook(tmp_path / "n.ipynb", [NODE, TALKER])
+    content = json.loads(file.read_text())
+    for cell in content["cells"]:
+        cell["id"] = f"cell-{len(cell['source'])}"
+    file.write_text(json.dumps(content))
+    copy = tmp_path / "n-Copy1.ipynb"
+    copy.write_text(json.dumps(content))
+    for running, notes in ((file, ()), (copy, ("n.ipynb", "This notebook is n-Copy1.ipynb"))):
+        monkeypatch.setenv("JPY_SESSION_NAME", str(running))
+        written = export(file, "my_package", tmp_path, force=True)
+        printed = capsys.readouterr().out
+        assert len(written.notes) == bool(notes)
+        assert all(note in printed for note in notes)
 
 
 def test_requested_base_class_becomes_an_executable(tmp_path: Path) -> None:

@@ -106,3 +106,31 @@ def test_module_of_a_package_that_is_not_imported_is_named(
     assert hint(raised.value) == (
         "a module of a package is imported by its whole name: `import arm_parts.hand`."
     )
+
+
+@pytest.mark.parametrize(
+    ("module", "file", "expected"),
+    [
+        (
+            "my_parts",
+            "my_parts.py",
+            "my_parts.py is in the folder my_course: move this file there, or copy it to here.",
+        ),
+        (
+            "week07_parts",
+            "",
+            "week07_parts.py is next to its lesson: open the notebook there, or copy the file to here.",
+        ),
+    ],
+)
+def test_import_of_a_file_in_another_folder_has_a_hint(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, module: str, file: str, expected: str
+) -> None:
+    folder = tmp_path / "my_course/old"
+    folder.mkdir(parents=True)
+    if file:
+        (folder.parent / file).write_text("")
+    monkeypatch.chdir(folder)
+    with pytest.raises(ModuleNotFoundError) as raised:
+        exec(f"import {module}", {})
+    assert hint(raised.value) == expected
