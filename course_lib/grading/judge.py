@@ -1,15 +1,17 @@
 """The stage `judge`: scores from evidence. Its functions are pure: equal evidence gets equal scores."""
 
+import signal
 import time
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from course_lib.grading.evidence import Check, Evidence, Verdict, all_checks
 from course_lib.grading.records import CheckResult, Judgement, Run, TaskResult
-from course_lib.grading.task import Catalog, Task, time_limit
+from course_lib.grading.task import Catalog, Task
 
 if TYPE_CHECKING:
     from course_lib.grading.run.run import ExerciseRun
@@ -59,6 +61,45 @@ def judge_task(task: Task, points: float, bonus: bool, runs: Sequence[Run]) -> T
         errors[HIDDEN_ERROR] = None
     stopped = next((run.evidence.stopped for run in runs if run.evidence.stopped), "")
     return TaskResult(task.id, task.title, points, bonus, checks, tuple(errors), stopped, rubric=task.rubric)
+
+
+# The timer repeats after this processor time [s], for code that swallows the first exception.
+AGAIN = 1.0
+
+
+class _TimeLimitError(BaseException):
+    """Raised when the time limit expires.
+
+    A BaseException, so that `except Exception` does not catch it.
+    """
+
+
+@contextmanager
+def time_limit(seconds: float) -> Iterator[None]:
+    """Limit the processor time of a block; works in the main thread only.
+
+    Raises:
+        TimeoutError: The block took more than `seconds`.
+    """
+
+    def ring(*_: Any) -> None:
+        raise _TimeLimitError
+
+    if not hasattr(signal, "setitimer"):
+        # On Windows only a student's own code is checked, which needs no limit.
+        yield
+        return
+    before = signal.signal(signal.SIGPROF, ring)
+    try:
+        signal.setitimer(signal.ITIMER_PROF, seconds, AGAIN)
+        try:
+            yield
+        finally:
+            signal.setitimer(signal.ITIMER_PROF, 0)
+    except _TimeLimitError:
+        raise TimeoutError(f"it takes more than {seconds:.3g} s") from None
+    finally:
+        signal.signal(signal.SIGPROF, before)
 
 
 class _Judge:

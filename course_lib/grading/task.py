@@ -6,11 +6,9 @@ import ast
 import math
 import re
 import runpy
-import signal
 import tomllib
 import traceback
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from numbers import Real
@@ -22,45 +20,6 @@ from course_lib.course.state import exercises_dir
 from course_lib.errors import CourseError, did_you_mean, location_of
 from course_lib.grading.evidence import Check
 from course_lib.third_party import read_text
-
-# The timer repeats after this processor time [s], for code that swallows the first exception.
-AGAIN = 1.0
-
-
-class _TimeLimitError(BaseException):
-    """Raised when the time limit expires.
-
-    A BaseException, so that `except Exception` does not catch it.
-    """
-
-
-@contextmanager
-def time_limit(seconds: float) -> Iterator[None]:
-    """Limit the processor time of a block; works in the main thread only.
-
-    Raises:
-        TimeoutError: The block took more than `seconds`.
-    """
-
-    def ring(*_: Any) -> None:
-        raise _TimeLimitError
-
-    if not hasattr(signal, "setitimer"):
-        # On Windows only a student's own code is checked, which needs no limit.
-        yield
-        return
-    before = signal.signal(signal.SIGPROF, ring)
-    try:
-        signal.setitimer(signal.ITIMER_PROF, seconds, AGAIN)
-        try:
-            yield
-        finally:
-            signal.setitimer(signal.ITIMER_PROF, 0)
-    except _TimeLimitError:
-        raise TimeoutError(f"it takes more than {seconds:.3g} s") from None
-    finally:
-        signal.signal(signal.SIGPROF, before)
-
 
 Kind = Literal["node", "function", "value", "text", "file", "launch", "written"]
 KINDS: tuple[str, ...] = get_args(Kind)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from course_lib.errors import CourseError
 from course_lib.grading.submissions.lms import fill_lms
-from course_lib.grading.submissions.readers import LmsFile
+from course_lib.grading.submissions.roster import LmsFile
 
 GRADEBOOK = """\
 student,exercise,score,max_score,days_late,penalty,final,status,reason,message

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.course.course_file import Limits
-from course_lib.grading.run.outcome import Usage
+from course_lib.grading.jail.filters import Usage
 from course_lib.grading.run.run import Job, Step, read_usage, run_scenarios
 from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.store import usage_path

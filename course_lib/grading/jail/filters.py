@@ -13,16 +13,16 @@ import resource
 import signal
 import stat
 import struct
+import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
 from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
-from course_lib.grading.run.outcome import Excess, Usage
 
 NO_NEW_PRIVILEGES, DUMPABLE, CHILD_SUBREAPER, KEEP_CAPABILITIES = 38, 4, 36, 8  # prctl operations
 CAPABILITIES_3 = 0x20080522  # version of the capability structures
@@ -253,6 +253,60 @@ def _step(code: int, value: int, if_true: int = 0, if_false: int = 0) -> bytes:
 
 def _if(test: int, value: int, action: int) -> list[bytes]:
     return [_step(test, value, 0, 1), _step(RETURN, action)]
+
+
+# getrusage reports bytes on macOS, and kilobytes on other systems.
+_RSS_PER_MB = 1e6 if sys.platform == "darwin" else 1e3
+
+
+@dataclass(frozen=True)
+class Usage:
+    """CPU time [s] of all processes, and the peak memory [MB] of the largest one.
+
+    `files_megabytes` is the peak size of all files if they are on a disk; a scratch folder in
+    memory is limited by the kernel. `scenarios` has the CPU time [s] of each scenario by task and
+    name, as reported by the worker, which runs the student's code.
+    """
+
+    cpu_seconds: float = 0.0
+    memory_megabytes: float = 0.0
+    files_megabytes: float = 0.0
+    scenarios: Mapping[str, float] = field(default_factory=dict)
+
+    def __add__(self, other: "Usage") -> "Usage":
+        memory = max(self.memory_megabytes, other.memory_megabytes)
+        files = max(self.files_megabytes, other.files_megabytes)
+        cpu = round(self.cpu_seconds + other.cpu_seconds, 3)
+        return Usage(cpu, memory, files, {**self.scenarios, **other.scenarios})
+
+    def exceeds_by_far(self, megabytes: float) -> bool:
+        """Return whether all files together take far more than the limit of a single one."""
+        return self.files_megabytes > 2 * megabytes
+
+
+@dataclass(frozen=True)
+class Excess:
+    """Why the template killed a submission: a limit on the sum over all of its processes or files.
+
+    Args:
+        limit: The limit: "memory" or "size".
+        message: What the submission did, for "it was stopped: …".
+    """
+
+    limit: str
+    message: str
+
+
+def wait_any_child() -> Usage:
+    """Wait for any child to end, and return the usage of it and its own children.
+
+    Raises:
+        ChildProcessError: There is no child.
+    """
+    _, _, resources = os.wait3(0)
+    return Usage(
+        round(resources.ru_utime + resources.ru_stime, 3), round(resources.ru_maxrss / _RSS_PER_MB, 1)
+    )
 
 
 Need = Literal["full", "partial", "any"]  # the required isolation

@@ -27,7 +27,7 @@ import course_lib
 from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
 from course_lib.grading.jail import filters
-from course_lib.grading.run.outcome import Excess, Usage
+from course_lib.grading.jail.filters import Excess, Usage
 from course_lib.third_party import read_json
 
 DISTRIBUTION = "course-lib"

@@ -24,8 +24,8 @@ from select import select
 
 from course_lib.course.course_file import Limits
 from course_lib.grading.jail import filters
+from course_lib.grading.jail.filters import Excess, Usage, wait_any_child
 from course_lib.grading.jail.launch import DEVICES, HOMES, JailEnvironment, settle, works
-from course_lib.grading.run.outcome import Excess, Usage, wait_any_child
 from course_lib.grading.run.worker import Worker, warm_up
 from course_lib.ros.graph.remote import Channel
 from course_lib.third_party import read_json

@@ -1,14 +1,11 @@
-"""Plain data from student code: returned values, errors, printed lines and resource usage.
+"""Plain data from student code: returned values, errors and printed lines.
 
 Everything that leaves the student's process is reduced to plain data of limited size before it is
 sent, and checked again on arrival, because student code can send anything.
 """
 
-import io
-import os
 import re
-import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any
@@ -20,7 +17,6 @@ from course_lib.ros.hints import hint
 from course_lib.ros.tracebacks import format_location, line_of_traceback
 
 MAX_ITEMS = 200_000
-BYTES_PER_ITEM = 32  # [B] size of an object and the reference to it
 MAX_DEPTH = 20
 MAX_TEXT = 100_000  # characters
 MAX_INT = 2**63
@@ -65,15 +61,6 @@ def is_plain(value: Any, depth: int = MAX_DEPTH + 3) -> bool:
     if type(value) is str:
         return len(value) <= MAX_TEXT
     return value is None or type(value) in (bool, int, float)
-
-
-def size_of(value: Any) -> int:
-    """Return the approximate memory size [B] of a value of plain data."""
-    if type(value) is list:
-        return BYTES_PER_ITEM + sum(map(size_of, value))
-    if type(value) is dict:
-        return BYTES_PER_ITEM + sum(size_of(key) + size_of(item) for key, item in value.items())
-    return BYTES_PER_ITEM + (len(value) if type(value) is str else 0)
 
 
 def _plain(value: Any, depth: int, room: list[int]) -> Any:
@@ -139,17 +126,7 @@ def _error_text(error: BaseException) -> str:
 
 MAX_LINES = 20
 MAX_LINE = 200  # characters
-MAX_PRINTED = 1_000_000  # characters kept of the output of a run in this process
 _STAMP = re.compile(r"\[\d+\.\d{9}\] ")  # log stamps, which make equal lines differ
-
-
-class BoundedOutput(io.StringIO):
-    """A stream that keeps MAX_PRINTED characters, so that an endless loop does not fill the memory."""
-
-    def write(self, text: str) -> int:
-        """Append as much of the text as fits."""
-        super().write(text[: max(0, MAX_PRINTED - self.tell())])
-        return len(text)
 
 
 def printed_lines(outputs: Iterable[str]) -> tuple[str, ...]:
@@ -176,60 +153,6 @@ def collapse_lines(lines: Iterable[str]) -> list[str]:
         if line is not None:
             collapsed.append(line)
     return collapsed
-
-
-# getrusage reports bytes on macOS, and kilobytes on other systems.
-_RSS_PER_MB = 1e6 if sys.platform == "darwin" else 1e3
-
-
-@dataclass(frozen=True)
-class Usage:
-    """CPU time [s] of all processes, and the peak memory [MB] of the largest one.
-
-    `files_megabytes` is the peak size of all files if they are on a disk; a scratch folder in
-    memory is limited by the kernel. `scenarios` has the CPU time [s] of each scenario by task and
-    name, as reported by the worker, which runs the student's code.
-    """
-
-    cpu_seconds: float = 0.0
-    memory_megabytes: float = 0.0
-    files_megabytes: float = 0.0
-    scenarios: Mapping[str, float] = field(default_factory=dict)
-
-    def __add__(self, other: "Usage") -> "Usage":
-        memory = max(self.memory_megabytes, other.memory_megabytes)
-        files = max(self.files_megabytes, other.files_megabytes)
-        cpu = round(self.cpu_seconds + other.cpu_seconds, 3)
-        return Usage(cpu, memory, files, {**self.scenarios, **other.scenarios})
-
-    def exceeds_by_far(self, megabytes: float) -> bool:
-        """Return whether all files together take far more than the limit of a single one."""
-        return self.files_megabytes > 2 * megabytes
-
-
-@dataclass(frozen=True)
-class Excess:
-    """Why the template killed a submission: a limit on the sum over all of its processes or files.
-
-    Args:
-        limit: The limit: "memory" or "size".
-        message: What the submission did, for "it was stopped: …".
-    """
-
-    limit: str
-    message: str
-
-
-def wait_any_child() -> Usage:
-    """Wait for any child to end, and return the usage of it and its own children.
-
-    Raises:
-        ChildProcessError: There is no child.
-    """
-    _, _, resources = os.wait3(0)
-    return Usage(
-        round(resources.ru_utime + resources.ru_stime, 3), round(resources.ru_maxrss / _RSS_PER_MB, 1)
-    )
 
 
 def still_running_message(seconds: float, line: str = "") -> str:

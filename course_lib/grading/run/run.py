@@ -21,10 +21,9 @@ from course_lib.errors import CourseError
 from course_lib.files import write_atomically
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import personal_values
-from course_lib.grading.jail.filters import Isolation, Need
+from course_lib.grading.jail.filters import Isolation, Need, Usage
 from course_lib.grading.jail.launch import KilledStartError, WorkerError, shared_template
 from course_lib.grading.records import Run
-from course_lib.grading.run.outcome import Usage
 from course_lib.grading.run.submission_run import CellLog, SubmissionRun
 from course_lib.grading.store import evidence_path, usage_path, writing
 from course_lib.grading.task import Catalog, Message, Scenario, Task

@@ -6,6 +6,7 @@ graph (`submission_run.py`), and a worker in the jail runs the object (`worker.p
 
 import _thread
 import ctypes
+import io
 import pickle
 import signal
 import struct
@@ -24,7 +25,6 @@ from course_lib.grading.inputs import build
 from course_lib.grading.run.outcome import (
     MAX_ERRORS,
     RAISED,
-    BoundedOutput,
     Outcome,
     describe,
     plain,
@@ -408,6 +408,18 @@ def _enable_interrupts() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+MAX_PRINTED = 1_000_000  # characters kept of the output of a run in this process
+
+
+class BoundedOutput(io.StringIO):
+    """A stream that keeps MAX_PRINTED characters, so that an endless loop does not fill the memory."""
+
+    def write(self, text: str) -> int:
+        """Append as much of the text as fits."""
+        super().write(text[: max(0, MAX_PRINTED - self.tell())])
+        return len(text)
 
 
 def run_in_this_process(

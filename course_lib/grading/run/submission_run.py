@@ -20,7 +20,7 @@ from typing import Any
 
 from course_lib.course.course_file import Limits
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.jail.filters import descendants
+from course_lib.grading.jail.filters import Excess, Usage, descendants
 from course_lib.grading.jail.launch import (
     PIPE_HOLDS,
     START_SECONDS,
@@ -31,11 +31,8 @@ from course_lib.grading.jail.launch import (
 from course_lib.grading.run.outcome import (
     MAX_ERRORS,
     MAX_LENGTH,
-    Excess,
     Outcome,
-    Usage,
     is_plain,
-    size_of,
     still_running_message,
 )
 from course_lib.grading.run.scenario import MOST_EVIDENCE, ScenarioGraph
@@ -455,6 +452,18 @@ def _drive(channel: remote.Channel, stage: ScenarioGraph, room: remote.Recording
         case ["exit", int(), float()]:
             return Outcome(errors=[ENDED_EARLY])
     raise remote.ChannelError("the worker did not send a valid result")
+
+
+BYTES_PER_ITEM = 32  # [B] size of an object and the reference to it
+
+
+def size_of(value: Any) -> int:
+    """Return the approximate memory size [B] of a value of plain data."""
+    if type(value) is list:
+        return BYTES_PER_ITEM + sum(map(size_of, value))
+    if type(value) is dict:
+        return BYTES_PER_ITEM + sum(size_of(key) + size_of(item) for key, item in value.items())
+    return BYTES_PER_ITEM + (len(value) if type(value) is str else 0)
 
 
 def _limit_texts(texts: list[Any]) -> list[str]:

@@ -12,7 +12,7 @@ from course_lib.files import write_atomically
 from course_lib.grading.marks import results_in, standing_marks
 from course_lib.grading.reports.table import escape_formula, printable
 from course_lib.grading.submissions.notebook import full_exercise_name
-from course_lib.grading.submissions.readers import LmsFile
+from course_lib.grading.submissions.roster import LmsFile
 
 POINTS_POSSIBLE = "Points Possible"  # Canvas's row with the maximum points of each column
 MAXIMUM = "maximum grade"  # Moodle's column with the maximum points, in English

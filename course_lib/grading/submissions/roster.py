@@ -6,6 +6,7 @@ only if it belongs to the student who submitted it. `received.csv` has the time 
 submission, and its source.
 """
 
+import codecs
 import csv
 import re
 from collections import Counter, defaultdict
@@ -13,16 +14,15 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 from zoneinfo import ZoneInfo
 
 from course_lib.course.exercise import normalise
-from course_lib.errors import CourseError, did_you_mean
+from course_lib.errors import CourseError, did_you_mean, format_count
 from course_lib.grading.records import RECEIPT_TIME, ReceiptTime, Submission
 from course_lib.grading.submissions.readers import (
     STAMP,
     YEARS,
-    LmsFile,
     fold_key,
     looks_like_time,
     parse_times,
@@ -31,6 +31,8 @@ from course_lib.grading.submissions.readers import (
 )
 from course_lib.third_party import check_regular, read_bytes, read_json
 
+BOMS = {codecs.BOM_UTF8: "utf-8", codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
+DELIMITERS = (",", ";", "\t", "|")
 LIST = "received.csv"
 UNFINISHED = ".collecting"  # exists while `course collect` writes the folder
 ID_FROM = "id_from"  # whether the student's ID is from the roster
@@ -43,6 +45,128 @@ EXAMPLES = {
     LIST: "the columns file,received and rows like ada/week01_exercise.ipynb,2026-10-11T23:59:00+02:00",
     STAMP: "a line like 2026-10-11 23:59:00.000000 UTC",
 }
+
+
+@dataclass
+class LmsFile:
+    """The raw cells of a table, with quotes. `ends` contains the line ends of all rows."""
+
+    bom: bytes
+    encoding: str
+    delimiter: str
+    rows: list[list[str]]
+    ends: list[str]
+
+    @classmethod
+    def read(cls, path: Path, least: int = 2) -> Self:
+        """Read a file of any common encoding, delimiter and line ending.
+
+        Args:
+            path: The file.
+            least: The required number of columns, 1 or 2.
+
+        Raises:
+            CourseError: It can't be read, or contains no table.
+        """
+        try:
+            data = read_bytes(path)
+        except OSError as error:
+            raise CourseError(
+                f"{path} can't be read: {error.strerror}. Pass the CSV file of a platform or a class."
+            ) from error
+        bom = next((bom for bom in BOMS if data.startswith(bom)), b"")
+        encoding = BOMS.get(bom) or ("utf-8" if _is_utf8(data) else "latin-1")  # latin-1 decodes any byte
+        try:
+            text = data.removeprefix(bom).decode(encoding, "surrogatepass" if bom else "strict")
+        except UnicodeError as error:
+            raise CourseError(
+                f"{path} is not valid {encoding}, although its byte order mark indicates it: {error}. "
+                "Export it again."
+            ) from error
+        first = re.split("[\r\n]", text, maxsplit=1)[0]
+        delimiter = max(DELIMITERS, key=first.count)
+        columns = first.count(delimiter) + 1 if first.strip() else 0
+        if columns < least or "\0" in text:
+            raise CourseError(
+                f"{path} is not a CSV: its first line has no columns. Export it from the platform."
+            )
+        return cls(bom, encoding, delimiter, *_split(text, delimiter))
+
+    def to_bytes(self) -> bytes:
+        """Return the bytes of the whole file."""
+        lines = (self.delimiter.join(row) + end for row, end in zip(self.rows, self.ends, strict=True))
+        return self.bom + "".join(lines).encode(self.encoding, "surrogatepass" if self.bom else "strict")
+
+    def text(self, row: int, column: int) -> str:
+        """Return a cell without its quotes, or "" if the row is too short."""
+        cells = self.rows[row]
+        cell = cells[column].strip() if column < len(cells) else ""
+        quoted = len(cell) > 1 and cell[0] == cell[-1] == '"'
+        return (cell[1:-1].replace('""', '"') if quoted else cell).strip()
+
+    @property
+    def headings(self) -> list[str]:
+        """The cells of the first row."""
+        return [self.text(0, place) for place in range(len(self.rows[0]))]
+
+    def reject_long_rows(self, path: Path) -> None:
+        """Reject rows with cells beyond the headings, which unquoted delimiters cause.
+
+        Raises:
+            CourseError: A row has more cells than the first row.
+        """
+        width = len(self.rows[0])
+        for number, row in enumerate(self.rows, 1):
+            if any(cell.strip() for cell in row[width:]):
+                raise CourseError(
+                    f"{path}, row {number}: {len(row)} cells below "
+                    f"{format_count(width, 'heading')}. Put double quotes around cells that "
+                    f"contain {self.delimiter!r}"
+                )
+
+    def put(self, row: int, column: int, number: str) -> None:
+        """Change a cell, keeping its quotes."""
+        quote = '"' if self.rows[row][column].strip().startswith('"') else ""
+        self.rows[row][column] = f"{quote}{number}{quote}"
+
+    def column(self, name: str) -> int:
+        """Return the index of a column, by its heading or the part before the number in `Week 1 (12345)`.
+
+        Raises:
+            CourseError: No column or several columns match.
+        """
+        headings = self.headings
+        columns = [i for i, heading in enumerate(headings) if heading == name]
+        columns = columns or [
+            i for i, h in enumerate(headings) if re.fullmatch(re.escape(name) + r" \(\d+\)", h)
+        ]
+        if len(columns) != 1:
+            known_headings = ", ".join(map(repr, headings))
+            raise CourseError(
+                f"{len(columns) or 'no'} columns are named {name!r}; expected one of {known_headings}"
+            )
+        return columns[0]
+
+
+def _is_utf8(data: bytes) -> bool:
+    try:
+        data.decode()
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def _split(text: str, delimiter: str) -> tuple[list[list[str]], list[str]]:
+    """Split a CSV string into rows of raw cells, and return them with each row's line ending."""
+    d = re.escape(delimiter)
+    cells = re.findall(rf'( *"(?:[^"]|"")*"[^{d}\r\n]*|[^{d}\r\n]*)({d}|\r\n|\r|\n|\Z)', text)
+    rows, ends = [list[str]()], list[str]()
+    for cell, end in cells:
+        rows[-1].append(cell)
+        if end != delimiter:
+            ends.append(end)
+            rows.append([])
+    return rows[:-1], ends
 
 
 @dataclass(frozen=True)
