@@ -24,7 +24,8 @@ from course_lib.errors import CourseError, format_count
 from course_lib.export.module import without_magics
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER
-from course_lib.grading.node_slips import find_growing_list, find_slip
+from course_lib.grading.kept_state import find_growing_list
+from course_lib.grading.node_slips import find_slip
 from course_lib.grading.records import TaskResult
 from course_lib.grading.run.scenario import NO_NODE
 from course_lib.grading.slips import IN_PLACE, Function, find_hidden_error, parse
@@ -54,7 +55,9 @@ AFTER_AN_ERROR = (
 # task has its own hint for them. Old stamps are always a reason to look for such a list.
 _OLD_ITEMS = {
     *("a stamp is in the past", "a stamp is not the expected one"),
-    *("a level is wrong", "a status message lacks an expected word"),
+    *("a level is wrong", "a status message lacks an expected word", "a message has more than one status"),
+    *("too many messages on a topic", "a trajectory has the wrong number of points"),
+    "the controller refuses the trajectory",
 }
 _SURPLUS = {
     "markers with the same ns and id replace each other",
@@ -350,12 +353,11 @@ def _silence_hint(code: Code) -> str:
 def _growing_list_hint(task: Task, result: TaskResult, source: str) -> str:
     """Return a sentence about a list that grows, or "".
 
-    It is a reason only if a failed check found too many or old items.
+    A list that gets one item in each call is a reason only if a failed check found too many or old items.
     """
     failed = {kind for check in result.checks if not check.passed for kind in check.mistake.split("; ")}
-    if not failed & (_OLD_ITEMS | _SURPLUS - set(task.mistakes)):
-        return ""
-    return find_growing_list(source)
+    found_surplus = bool(failed & (_OLD_ITEMS | _SURPLUS - set(task.mistakes)))
+    return find_growing_list(source, is_certain=not found_surplus)
 
 
 def _first_cause(result: TaskResult) -> list[str]:

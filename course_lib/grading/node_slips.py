@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 from functools import cache
 
+from course_lib.grading.number_slips import number_slips
 from course_lib.grading.slips import (
     Function,
     created_object,
-    emptied_names,
     function_slips,
     parse,
     quote,
@@ -28,6 +28,7 @@ def find_slip(source: str) -> str:
     for outer in ast.walk(tree):
         if isinstance(outer, ast.ClassDef):
             for slip in (
+                *_repeated_methods(outer),
                 *_renewed_receivers(outer),
                 *_unfilled_buffers(outer),
                 *_replaced_methods(outer),
@@ -39,7 +40,7 @@ def find_slip(source: str) -> str:
         functions = outer.body if isinstance(outer, ast.ClassDef | ast.Module) else []
         for function in functions:
             if isinstance(function, Function):
-                for slip in function_slips(function, attributes):
+                for slip in (*function_slips(function, attributes), *number_slips(function)):
                     return slip
         if isinstance(outer, ast.ClassDef):
             for slip in (
@@ -47,13 +48,14 @@ def find_slip(source: str) -> str:
                 *_destructive_callbacks(outer),
                 *_generators(outer),
                 *_misspelled_attributes(outer),
+                *_uncalled_methods(outer),
                 *_fields_of_node(outer),
             ):
                 return slip
     return ""
 
 
-def _callbacks_of(cls: ast.ClassDef) -> Iterator[Function]:
+def callbacks_of(cls: ast.ClassDef) -> Iterator[Function]:
     """Yield the methods of a class that are passed as callbacks."""
     called = [node.func for node in ast.walk(cls) if isinstance(node, ast.Call)]
     passed = {
@@ -66,9 +68,21 @@ def _callbacks_of(cls: ast.ClassDef) -> Iterator[Function]:
             yield function
 
 
+def _repeated_methods(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each method that a later one of the same name replaces."""
+    # Decorators like @property and its setter need the same name twice.
+    names = Counter(one.name for one in cls.body if isinstance(one, Function) and not one.decorator_list)
+    for name, count in names.items():
+        if count > 1:
+            yield (
+                f"{cls.name} has def {name} {count} times, and only the last one counts: delete the "
+                "others, or give them names of their own."
+            )
+
+
 def _renewed_receivers(cls: ast.ClassDef) -> Iterator[str]:
     """Yield a sentence for each buffer, listener or subscription created in a callback."""
-    for function in _callbacks_of(cls):
+    for function in callbacks_of(cls):
         for node in ast.walk(function):
             match node:
                 case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in _RECEIVERS:
@@ -84,7 +98,7 @@ def _unfilled_buffers(cls: ast.ClassDef) -> Iterator[str]:
         ast.unparse(target)
         for node in ast.walk(cls)
         if isinstance(node, ast.Assign)
-        for target, value in _pairs(node)
+        for target, value in pairs_of(node)
         if isinstance(value, ast.Call) and ast.unparse(value.func) == "Buffer"
     }
     listeners = [
@@ -107,7 +121,7 @@ def _unfilled_buffers(cls: ast.ClassDef) -> Iterator[str]:
             yield f"{quote(listeners[0])} fills another buffer than {buffer}: write {call}."
 
 
-def _pairs(node: ast.Assign) -> list[tuple[ast.expr, ast.expr]]:
+def pairs_of(node: ast.Assign) -> list[tuple[ast.expr, ast.expr]]:
     """Return each target of an assignment with its value, as in `self.poses, self.buffer = [], Buffer()`."""
     match node:
         case ast.Assign(targets=[ast.Tuple(elts=targets)], value=ast.Tuple(elts=values)) if len(
@@ -230,7 +244,7 @@ def _fields_of(kind: str) -> frozenset[str]:
 
 def _generators(cls: ast.ClassDef) -> Iterator[str]:
     """Yield a sentence for each callback that yields: a call of it runs none of its lines."""
-    for function in _callbacks_of(cls):
+    for function in callbacks_of(cls):
         if any(isinstance(node, ast.Yield | ast.YieldFrom) for node in ast.walk(function)):
             yield (
                 f"yield makes {function.name} a generator, and a call runs none of its lines: leave it out."
@@ -259,6 +273,26 @@ def _misspelled_attributes(cls: ast.ClassDef) -> Iterator[str]:
             )
 
 
+def _uncalled_methods(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each method of a plain node that changes the node, and that nothing calls."""
+    # Without any callback the node has a hint of its own.
+    if [ast.unparse(base) for base in cls.bases] != ["Node"] or not list(callbacks_of(cls)):
+        return
+    used = {node.attr for node in ast.walk(cls) if isinstance(node, ast.Attribute)}
+    for function in cls.body:
+        if not isinstance(function, Function) or function.decorator_list:
+            continue
+        sets_attribute = any(
+            isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and root_of(node) == "self"
+            for node in ast.walk(function)
+        )
+        if sets_attribute and function.name not in used and not function.name.startswith(("__", "destroy_")):
+            yield (
+                f"Nothing calls {function.name}: write self.{function.name}() where its lines are to run, or "
+                "pass it on, to create_timer, create_subscription or add_on_set_parameters_callback."
+            )
+
+
 def _replaced_methods(cls: ast.ClassDef) -> Iterator[str]:
     """Yield a sentence for each method that an attribute of the same name replaces."""
     methods = {node.name for node in cls.body if isinstance(node, Function) and not node.decorator_list}
@@ -273,72 +307,9 @@ def _replaced_methods(cls: ast.ClassDef) -> Iterator[str]:
                 )
 
 
-def find_growing_list(source: str) -> str:
-    """Return a sentence about a list of a node that grows with each call of a callback, or ""."""
-    for cls in ast.walk(parse(source)):
-        if not isinstance(cls, ast.ClassDef):
-            continue
-        # A list in the body of the class is a single one for all its objects.
-        created = {
-            f"self.{name}" for one in cls.body if isinstance(one, ast.Assign) for name in emptied_names(one)
-        }
-        for node in ast.walk(cls):
-            match node:
-                case ast.Assign(
-                    targets=[ast.Attribute(value=ast.Name(id="self")) as target],
-                    value=ast.List(elts=[]) | ast.Call(func=ast.Name(), args=[], keywords=[]),
-                ):
-                    created.add(ast.unparse(target))
-        for function in _callbacks_of(cls):
-            for node in ast.walk(function):
-                match node:
-                    case ast.Call(func=ast.Attribute(value=grown, attr="append" | "extend")):
-                        pass
-                    case ast.AugAssign(
-                        target=ast.Attribute() as grown, op=ast.Add(), value=ast.List() | ast.ListComp()
-                    ):
-                        pass
-                    case _:
-                        continue
-                items = ast.unparse(grown)
-                owner = ".".join(items.split(".")[:2])
-                if owner in created and not _shortens(cls, items, owner):
-                    return (
-                        f"{items} keeps the items of each earlier call of {function.name}: empty "
-                        "it there first, or create a new list in each call."
-                    )
-    return ""
-
-
-def _shortens(cls: ast.ClassDef, items: str, owner: str) -> bool:
-    """Return whether a class shortens or replaces a list outside of __init__."""
-    for function in cls.body:
-        if not isinstance(function, Function) or function.name == "__init__":
-            continue
-        # += stores a list, and makes it longer.
-        longer = [node.target for node in ast.walk(function) if isinstance(node, ast.AugAssign)]
-        for node in ast.walk(function):
-            match node:
-                case ast.Call(func=ast.Attribute(value=changed, attr="clear" | "pop" | "popleft" | "remove")):
-                    pass
-                case ast.Attribute(ctx=ast.Store() | ast.Del()) as changed if changed not in longer:
-                    pass
-                case ast.Subscript(value=changed, slice=ast.Slice()):
-                    pass
-                case ast.Subscript(value=changed, ctx=ast.Store() | ast.Del()):
-                    pass
-                case ast.Call(func=ast.Name(id="len"), args=[changed]):
-                    pass
-                case _:
-                    continue
-            if ast.unparse(changed) in (items, owner):
-                return True
-    return False
-
-
 def _repeated_timers(cls: ast.ClassDef) -> Iterator[str]:
     """Yield a sentence for timers that add up: created in a callback, or two with one callback."""
-    for function in _callbacks_of(cls):
+    for function in callbacks_of(cls):
         calls = [node for node in ast.walk(function) if isinstance(node, ast.Call)]
         methods = {node.func.attr for node in calls if isinstance(node.func, ast.Attribute)}
         if "create_timer" in methods and not methods & {"destroy_timer", "cancel"}:
@@ -369,7 +340,7 @@ _ENDINGS = {
 
 def _destructive_callbacks(cls: ast.ClassDef) -> Iterator[str]:
     """Yield a sentence for each callback that ends its node, its timer or its publisher."""
-    for function in _callbacks_of(cls):
+    for function in callbacks_of(cls):
         if "create_timer" in ast.unparse(function):
             continue
         # A call in an if or a try is meant for a certain moment.

@@ -1,6 +1,6 @@
 """Slips in functions that raise no error, such as `==` for `=`, found in the syntax tree of a student's code.
 
-Those in classes of nodes are in `node_slips.py`.
+Those with numbers, units and arrays are in `number_slips.py`, those in classes of nodes in `node_slips.py`.
 """
 
 import ast
@@ -37,9 +37,12 @@ def function_slips(function: Function, attributes: set[str]) -> Iterator[str]:
     for block in _blocks(function):
         yield from _idle_statements(block)
         yield from _recreations(block)
+        yield from _replaced_parts(block)
         yield from _late_assignments(block)
         yield from _loops(block, function.name)
         yield from _reused_objects(block)
+        yield from _shared_parts(block)
+        yield from _lost_loop_values(block)
         yield from _shrinking_loops(block)
         yield from _unreachable(block)
         yield from _late_settings(block)
@@ -58,11 +61,11 @@ def function_slips(function: Function, attributes: set[str]) -> Iterator[str]:
         yield from _python_timers(function)
         yield from _early_lookups(function)
         yield from _idle_lambdas(function)
+        yield from _lost_counts(function)
+        yield from _reset_attributes(function)
     yield from _other_files(function)
     yield from _lost_locals(function, attributes)
     yield from _plain_strings(function)
-    yield from _integer_quotients(function)
-    yield from _cut_quotients(function)
 
 
 def _blocks(function: Function) -> Iterator[Sequence[ast.stmt]]:
@@ -126,10 +129,10 @@ def created_object(statement: ast.stmt) -> tuple[str, str]:
 
 
 def _sets_field(statement: ast.stmt, name: str) -> bool:
-    return isinstance(statement, ast.Assign | ast.AugAssign) and any(
-        root_of(target) == name
-        for target in (statement.targets if isinstance(statement, ast.Assign) else [statement.target])
-    )
+    if not isinstance(statement, ast.Assign | ast.AugAssign):
+        return False
+    targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+    return any(root_of(part) == name for one in targets for part in getattr(one, "elts", [one]))
 
 
 def root_of(node: ast.AST) -> str:
@@ -140,7 +143,8 @@ def root_of(node: ast.AST) -> str:
     return node.id if is_inside and isinstance(node, ast.Name) else ""
 
 
-def _uses(node: ast.AST, name: str) -> bool:
+def uses(node: ast.AST, name: str) -> bool:
+    """Return whether a variable occurs in a statement or an expression."""
     return any(isinstance(one, ast.Name) and one.id == name for one in ast.walk(node))
 
 
@@ -157,8 +161,37 @@ def _recreations(block: Sequence[ast.stmt]) -> Iterator[str]:
         for filled_name in list(is_filled):
             if _sets_field(statement, filled_name):
                 is_filled[filled_name] = True
-            elif _uses(statement, filled_name):
+            elif uses(statement, filled_name):
                 del is_filled[filled_name]
+
+
+def _replaced_parts(block: Sequence[ast.stmt]) -> Iterator[str]:
+    """Yield a sentence for each part of a message that is replaced after its fields were set."""
+    stored: dict[str, ast.stmt] = {}
+    for statement in block:
+        match statement:
+            case ast.Assign(targets=[ast.Attribute() as target], value=ast.Call(func=ast.Name(id=kind))) if (
+                kind[0].isupper()
+            ):
+                part = f"{ast.unparse(target)}."
+                lost = [one for path, one in stored.items() if path.startswith(part)]
+                if lost and not _uses_expression(statement.value, part[:-1]):
+                    yield (
+                        f"{quote(statement)} replaces the whole {target.attr}, and with it what "
+                        f"{quote(lost[0])} has set: set the fields after it."
+                    )
+        if isinstance(statement, ast.Assign):
+            paths = [ast.unparse(target) for target in statement.targets]
+            names = {path for path in paths if "." not in path}
+            stored = {path: one for path, one in stored.items() if path.split(".")[0] not in names}
+            stored |= {path: statement for path in paths if "." in path}
+        else:
+            # Once a message is published, its object may be filled again.
+            stored = {path: one for path, one in stored.items() if not uses(statement, path.split(".")[0])}
+
+
+def _uses_expression(node: ast.AST, text: str) -> bool:
+    return any(isinstance(one, ast.expr) and ast.unparse(one) == text for one in ast.walk(node))
 
 
 def _published_variable(statement: ast.AST) -> str:
@@ -209,7 +242,7 @@ def _loops(block: Sequence[ast.stmt], function: str) -> Iterator[str]:
                         "into the loop."
                     )
         for name in [name for one in loop.body for name in emptied_names(one)]:
-            if any(_uses(one, name) for one in block[index + 1 :]):
+            if any(uses(one, name) for one in block[index + 1 :]):
                 yield f'"{name} = []" in the loop empties the list for each item: move it before the loop.'
 
 
@@ -284,6 +317,48 @@ def _reused_objects(block: Sequence[ast.stmt]) -> Iterator[str]:
                     )
 
 
+def _shared_parts(block: Sequence[ast.stmt]) -> Iterator[str]:
+    """Yield a sentence for each object that a loop fills anew and gives to all its items."""
+    for index, loop in enumerate(block):
+        if not isinstance(loop, ast.For) or any(_published_variable(one) for one in ast.walk(loop)):
+            continue
+        created = dict(filter(lambda found: found[0], map(created_object, block[:index])))
+        inside = {created_object(one)[0] for one in ast.walk(loop) if isinstance(one, ast.stmt)}
+        filled = {
+            name
+            for name in created
+            if any(_sets_field(one, name) for one in ast.walk(loop) if isinstance(one, ast.stmt))
+        }
+        for node in ast.walk(loop):
+            match node:
+                case ast.Assign(targets=[ast.Attribute(attr=part)], value=ast.Name(id=name)):
+                    pass
+                case ast.keyword(arg=str(part), value=ast.Name(id=name)):
+                    pass
+                case _:
+                    continue
+            if name in filled - inside:
+                yield (
+                    f"{name} is a single {created[name]}, created before the loop: the {part} of each "
+                    "item is this one, with the last values. Create it inside the loop."
+                )
+
+
+def _lost_loop_values(block: Sequence[ast.stmt]) -> Iterator[str]:
+    """Yield a sentence for each loop that sets its variable, in order to change the list."""
+    for index, loop in enumerate(block):
+        match loop:
+            case ast.For(
+                target=ast.Name(id=name),
+                iter=ast.Name(id=items),
+                body=[*_, ast.Assign(targets=[ast.Name(id=stored)], value=value) as last],
+            ) if stored == name and not any(uses(one, name) for one in block[index + 1 :]):
+                yield (
+                    f"{quote(last)} sets the variable of the loop, and {items} stays as it is. Write "
+                    f"{items} = [{ast.unparse(value)} for {name} in {items}]."
+                )
+
+
 def _shrinking_loops(block: Sequence[ast.stmt]) -> Iterator[str]:
     """Yield a sentence for each loop over a list from which it removes items."""
     for loop in block:
@@ -329,7 +404,7 @@ def _lost_results(function: Function) -> Iterator[str]:
             match node:
                 case ast.Expr(value=ast.Call(func=ast.Name(id=name)) as call) if name == inner.name:
                     for result in sorted(created & returned):
-                        if not _uses(call, result):
+                        if not uses(call, result):
                             yield (
                                 f"{quote(call)} returns a list that is not used: write "
                                 f"{result}.extend({ast.unparse(call)})."
@@ -373,6 +448,13 @@ def _blocking_calls(function: Function) -> Iterator[str]:
                     "before it ends. Use a timer."
                 )
             case ast.Call(
+                func=ast.Attribute(attr="wait_for_service" | "wait_for_server"), args=[], keywords=[]
+            ) if function.name != "__init__":
+                yield (
+                    f"{quote(node)} in {function.name} stops the whole node until the other one is "
+                    "there: ask service_is_ready() or server_is_ready(), and return if it is not."
+                )
+            case ast.Call(
                 func=ast.Attribute(
                     value=ast.Name(id="rclpy"), attr="spin" | "spin_once" | "spin_until_future_complete"
                 )
@@ -382,6 +464,57 @@ def _blocking_calls(function: Function) -> Iterator[str]:
                     f"{quote(node.func)} in {function.name} waits for callbacks while the node is "
                     "busy with this one: leave it out, the node is spun from outside."
                 )
+
+
+def _lost_counts(function: Function) -> Iterator[str]:
+    """Yield a sentence for each variable that is counted up for the next call, which starts anew."""
+    shared = {
+        name
+        for node in ast.walk(function)
+        if isinstance(node, ast.Global | ast.Nonlocal)
+        for name in node.names
+    }
+    for index, statement in enumerate(function.body):
+        match statement:
+            case ast.AugAssign(target=ast.Name(id=name), value=ast.Constant() | ast.BinOp()) if (
+                name not in shared and not any(uses(one, name) for one in function.body[index + 1 :])
+            ):
+                yield (
+                    f"{quote(statement)} changes a variable that ends with {function.name}, and the "
+                    f"next call begins anew: keep the value in self.{name}."
+                )
+
+
+def _reset_attributes(function: Function) -> Iterator[str]:
+    """Yield a sentence for each attribute that a callback sets to a number before it counts it up."""
+    if function.name == "__init__":
+        return
+    for index, statement in enumerate(function.body):
+        match statement:
+            case ast.Assign(
+                targets=[ast.Attribute(value=ast.Name(id="self")) as target],
+                value=ast.Constant(value=int() | float() | None),
+            ):
+                attribute = ast.unparse(target)
+            case _:
+                continue
+        for later in function.body[index + 1 :]:
+            match later:
+                case ast.AugAssign(target=counted) if ast.unparse(counted) == attribute:
+                    pass
+                case ast.Assign(targets=[ast.Tuple(elts=stored)], value=ast.Tuple(elts=read)) if (
+                    attribute in map(ast.unparse, stored) and attribute in map(ast.unparse, read)
+                ):
+                    pass
+                case ast.For() | ast.While() if _uses_expression(later, attribute):
+                    break
+                case _:
+                    continue
+            yield (
+                f"{quote(statement)} in {function.name} sets it back in each call, so that it keeps "
+                "no value of the call before: set it once, in __init__."
+            )
+            break
 
 
 def _waiting_loops(function: Function) -> Iterator[str]:
@@ -516,41 +649,6 @@ def _empty_results(function: Function) -> Iterator[str]:
                 )
 
 
-def _integer_quotients(function: Function) -> Iterator[str]:
-    """Yield a question about // where the result is neither an index nor a count."""
-    whole: set[int] = set()
-    counts = {
-        name.id
-        for node in ast.walk(function)
-        for part in _integer_operands(node)
-        for name in ast.walk(part)
-        if isinstance(name, ast.Name)
-    }
-    for node in ast.walk(function):
-        inner = list(_integer_operands(node))
-        match node:
-            case ast.Assign(targets=[ast.Name(id=name)], value=value) if name in counts:
-                inner.append(value)
-        whole |= {id(part) for one in inner for part in ast.walk(one)}
-    for node in ast.walk(function):
-        match node:
-            case ast.BinOp(op=ast.FloorDiv()) if id(node) not in whole:
-                yield f"{quote(node)} leaves out the fraction: is a whole number meant? / divides."
-
-
-def _cut_quotients(function: Function) -> Iterator[str]:
-    """Yield a question about int( ) or round( ) of a quotient that is returned or set."""
-    for node in ast.walk(function):
-        match node:
-            case ast.Assign(
-                targets=[ast.Name(id=name)],
-                value=ast.Call(func=ast.Name(id="int" | "round" as cut), args=[argument]),
-            ) if any(isinstance(part, ast.Div) for part in ast.walk(argument)):
-                places = [inner for other in ast.walk(function) for inner in _integer_operands(other)]
-                if not any(_uses(place, name) for place in places):
-                    yield f"{cut}( ) leaves out the fraction of {name}: is a whole number meant?"
-
-
 def find_hidden_error(source: str) -> str:
     """Return a sentence about a handler of every error that does nothing, or ""."""
     for node in ast.walk(parse(source)):
@@ -565,19 +663,6 @@ def find_hidden_error(source: str) -> str:
                     "or catch only the exception that you expect."
                 )
     return ""
-
-
-def _integer_operands(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the subexpressions that must be integers."""
-    match node:
-        case ast.Subscript(slice=index):
-            yield index
-        case ast.Call(func=ast.Name(id="range" | "int" | "divmod" | "chr"), args=args):
-            yield from args
-        case ast.keyword(arg="id" | "sec" | "nanosec" | "nanoseconds" | "depth", value=value):
-            yield value
-        case ast.Assign(targets=[ast.Attribute(attr="id" | "sec" | "nanosec")], value=value):
-            yield value
 
 
 def _odd_operators(function: Function) -> Iterator[str]:
@@ -662,7 +747,7 @@ def _replaced_parameters(function: Function) -> Iterator[str]:
             case _:
                 continue
         for name in names:
-            if name in parameters and not any(_uses(one, name) for one in function.body[:index]):
+            if name in parameters and not any(uses(one, name) for one in function.body[:index]):
                 yield (
                     f"{quote(statement)} replaces the {name} that {function.name} gets with each "
                     "call: leave it out."

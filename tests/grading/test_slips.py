@@ -2,7 +2,8 @@
 
 import pytest
 
-from course_lib.grading.node_slips import find_growing_list, find_slip
+from course_lib.grading.kept_state import find_growing_list
+from course_lib.grading.node_slips import find_slip
 from course_lib.grading.slips import find_hidden_error
 from tests.notebooks.graded import WEEKS, cells_of, solution
 
@@ -133,6 +134,60 @@ SLIPS = [
         "self.level = … sets an attribute of the node that nothing reads: is status.level meant?",
     ),
     (
+        ("marker = Marker()", "marker.pose.position.z = 0.5", "marker.pose = Pose()"),
+        '"marker.pose = Pose()" replaces the whole pose, and with it what "marker.pose.position.z',
+    ),
+    (
+        ("color = ColorRGBA()", "for x in items:", "    color.r = x", "    marker.color = color"),
+        "color is a single ColorRGBA, created before the loop: the color of each item is this one",
+    ),
+    (
+        ("color = ColorRGBA()", "for x in items:", "    color.r = x", "    a.append(Marker(color=color))"),
+        "color is a single ColorRGBA, created before the loop",
+    ),
+    (
+        ("for angle in degrees:", "    angle = math.radians(angle)", "return degrees"),
+        '"angle = math.radians(angle)" sets the variable of the loop, and degrees stays as it is. '
+        "Write degrees = [math.radians(angle) for angle in degrees].",
+    ),
+    (("steps = 0", "paint(steps)", "steps += 1"), '"steps += 1" changes a variable that ends with tick'),
+    (
+        ("self.angle = 0.0", "paint(self.angle)", "self.angle += 0.1"),
+        '"self.angle = 0.0" in tick sets it back in each call',
+    ),
+    (
+        ("self.angle = None", "before, self.angle = self.angle, 1.0", "return before"),
+        '"self.angle = None" in tick sets it back in each call',
+    ),
+    (("self.client.wait_for_service()",), '"self.client.wait_for_service()" in tick stops the whole node'),
+    (
+        ("p = np.array([0, 0, 0])", "p[1] = 0.5 * x", "return p"),
+        "p has whole numbers only, because of np.array([0, 0, 0]), and cuts off fractions",
+    ),
+    (
+        ("p = np.zeros(3, dtype=int)", "p[0], p[1] = 0.5 * x, y", "return p"),
+        "p has whole numbers only, because of np.zeros(3, dtype=int)",
+    ),
+    (("return np.radians(x).astype(int)",), '"np.radians(x).astype(int)" cuts off the fraction'),
+    (("r = np.array(message.ranges, dtype=int)", "return r"), '"np.array(message.ranges, dtype=int)" cuts'),
+    (
+        ("time = self.get_clock().now().nanoseconds", "return 2 * math.pi * time"),
+        "time counts nanoseconds: / 1e9 makes seconds of it.",
+    ),
+    (
+        ("return stamp.sec + stamp.nanosec",),
+        '"stamp.sec + stamp.nanosec" is not a number of seconds: nanosec counts billionths, so write '
+        "stamp.sec + stamp.nanosec / 1e9.",
+    ),
+    (
+        ("good = [d for d in ranges if d > low]", "return good.index(min(good)) * scan.angle_increment"),
+        '"good.index(min(good))" is the number among the chosen beams of good',
+    ),
+    (
+        ("r = r[r > low]", "return np.argmin(r) * scan.angle_increment"),
+        '"np.argmin(r)" is the number among the chosen beams of r',
+    ),
+    (
         ("for one in parameters:", "    if one == 'rate':", "        return one.value"),
         "\"one == 'rate'\" is never true: one is a Parameter, and its name is one.name",
     ),
@@ -182,6 +237,40 @@ RIGHT = [
     ("if kind == 'Path' or kind == 'Map':", "    return"),
     ("name = kind or 'Map'", "return name"),
     ("status = DiagnosticStatus()", "self.last = status", "self.p.publish(status)"),
+    ("marker = Marker()", "marker.pose = Pose()", "marker.pose.position.z = 0.5"),
+    (
+        "pose = marker.pose",
+        "marker.pose.position.z = 0.5",
+        "marker.pose = Pose(position=marker.pose.position)",
+    ),
+    ("marker.pose.position.z = 0.5", "self.p.publish(marker)", "marker.pose = Pose()"),
+    ("marker.pose.position.z = 0.5", "marker = Marker()", "marker.pose = Pose()"),
+    ("color = ColorRGBA(r=1.0)", "for x in items:", "    marker.color = color"),
+    (
+        "color = ColorRGBA()",
+        "for x in items:",
+        "    color.r = x",
+        "    marker.color = color",
+        "    self.p.publish(marker)",
+    ),
+    ("for angle in degrees:", "    angle = math.radians(angle)", "    found.append(angle)"),
+    ("for angle in degrees:", "    angle = math.radians(angle)", "return angle"),
+    ("steps = 0", "steps += 1", "return steps"),
+    ("global steps", "paint(steps)", "steps += 1"),
+    ("self.angle = 0.0", "for x in items:", "    self.angle += x"),
+    ("self.angle += 0.1", "paint(self.angle)", "self.angle = 0.0"),
+    ("self.client.wait_for_service(1.0)",),
+    ("p = np.array([0.0, 0, 0])", "p[1] = 0.5 * x", "return p"),
+    ("p = np.array([a, 0])", "p[1] = 0.5 * x", "return p"),
+    ("p = np.zeros(3)", "p[0] = 0.5 * x", "return p"),
+    ("p = np.zeros(3, dtype=int)", "p[0] = len(x)", "return p"),
+    ("cells = (points / 0.1).astype(int)", "return image[cells]"),
+    ("image = (255 * x).astype(np.uint8)", "return image"),
+    ("time = self.get_clock().now().nanoseconds / 1e9", "return 2 * math.pi * time"),
+    ("return Duration(nanoseconds=start.nanoseconds)",),
+    ("return stamp.sec + stamp.nanosec * 1e-9",),
+    ("return stamp.sec * 10**9 + stamp.nanosec",),
+    ("good = [d for d in ranges if d > low]", "return ranges.index(min(good)) * scan.angle_increment"),
 ]
 
 
@@ -306,6 +395,70 @@ def test_list_that_grows_with_each_call_of_a_callback_is_reported(line: str) -> 
     source = method(GROWING, "self.p.publish(self.markers)").replace("self.angle = 0.0", creation)
     assert find_growing_list(source).startswith("self.markers keeps the items of each earlier call of tick")
     assert find_growing_list(method(line, GROWING).replace("self.angle = 0.0", creation)) == ""
+
+
+@pytest.mark.parametrize(
+    ("before", "lines", "items"),
+    [
+        ("", ("for x in found:", "    MARKERS.append(x)", "return MARKERS"), "MARKERS is outside of tick"),
+        ("", ("MARKERS.extend(found)", "return MARKERS"), "MARKERS is outside of tick"),
+        ("", ("found = MARKERS", "found += [1, 2]", "return found"), "MARKERS is outside of tick"),
+        ("MARKERS = []", ("Lamp.MARKERS.extend(found)", "return 1"), "Lamp.MARKERS keeps the items of"),
+        ("MARKERS = []", ("found = self.MARKERS", "found.extend(items)"), "self.MARKERS keeps the items of"),
+        ("", ("m = self.marker", "m.points += [1, 2]"), "self.marker.points keeps the items of"),
+        ("", ("MARKERS.append(1)", "return MARKERS[0]"), "MARKERS is outside of tick"),
+        ("", ("MARKERS.append(1)", "return MARKERS"), ""),
+        ("", ("MARKERS.clear()", "MARKERS.extend(found)"), ""),
+        ("", ("MARKERS = []", "MARKERS.extend(found)"), ""),
+        ("", ("found = []", "MARKERS = found", "MARKERS.extend(items)"), ""),
+        ("", ("found = self.MARKERS", "found = []", "found.extend(items)"), ""),
+    ],
+)
+def test_list_that_gets_several_items_in_each_call_is_certain_to_grow(
+    before: str, lines: tuple[str, ...], items: str
+) -> None:
+    creation = "self.marker = Marker(id=1); self.create_timer(1.0, self.tick)"
+    source = method(*lines).replace("self.angle = 0.0", creation)
+    source = source.replace("(Node):\n", f"(Node):\n    {before}\n\n")
+    slip = find_growing_list(source, is_certain=True)
+    assert slip.startswith(items) if items else slip == ""
+
+
+@pytest.mark.parametrize(
+    ("lines", "sentence"),
+    [
+        ("    rows.append(x)\n    return rows", "rows is outside of table and keeps what each earlier call"),
+        ("    memo[x] = 1\n    return memo", "memo is outside of table and keeps what each earlier call"),
+        ("    def add():\n        rows.append(x)\n    add()\n    return rows", "rows is outside of table"),
+        (
+            "    global total\n    total += x\n    return total",
+            "global keeps total between the calls of table",
+        ),
+        ("    global total\n    total = 0\n    total += x\n    return total", ""),
+        ("    rows = []\n    rows.append(x)\n    return rows", ""),
+        ("    rows.clear()\n    rows.append(x)\n    return rows", ""),
+        ("    rows = []\n    def add():\n        rows.append(x)\n    add()\n    return rows", ""),
+        ("    made = viewer.add(x)\n    return made", ""),
+    ],
+)
+def test_value_that_a_function_keeps_between_calls_is_reported(lines: str, sentence: str) -> None:
+    slip = find_growing_list(f"def table(x):\n{lines}\n", is_certain=True)
+    assert slip.startswith(sentence) if sentence else slip == ""
+
+
+def test_method_defined_twice_is_reported() -> None:
+    source = method("return 1") + "\n    def tick(self):\n        pass\n"
+    assert find_slip(source).startswith("Lamp has def tick 2 times, and only the last one counts")
+    accepted = source.replace("    def tick", "    @overload\n    def tick")
+    assert find_slip(accepted) == ""
+
+
+def test_method_that_changes_the_node_and_is_never_called_is_reported() -> None:
+    source = method("self.angle += 0.1") + "\n    def paint(self):\n        return 1\n"
+    source = source.replace("self.angle = 0.0", "self.create_timer(1.0, self.paint)")
+    assert find_slip(source).startswith("Nothing calls tick: write self.tick() where its lines are to run")
+    assert find_slip(source.replace("return 1", "self.tick()")) == ""
+    assert find_slip(source.replace("(Node)", "(Lamps)")) == ""
 
 
 def test_list_of_a_message_that_grows_is_reported() -> None:

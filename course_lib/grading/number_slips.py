@@ -1,0 +1,241 @@
+"""Slips with numbers, units and arrays that raise no error, found in the syntax tree of a student's code."""
+
+import ast
+import re
+from collections.abc import Iterator
+
+from course_lib.grading.slips import Function, quote, uses
+
+_INTEGER_TYPE = re.compile(r"(np\.|numpy\.|['\"])?u?int(8|16|32|64)?(['\"])?|np\.integer")
+_FILLED = {"zeros", "ones", "empty", "full", "eye", "arange", "zeros_like", "ones_like", "empty_like"}
+_NANO = {1e9, 1e-9}
+
+
+def number_slips(function: Function) -> Iterator[str]:
+    """Yield a sentence for each slip with a number, a unit or an array in a function."""
+    yield from _integer_quotients(function)
+    yield from _cut_quotients(function)
+    yield from _integer_arrays(function)
+    yield from _nanoseconds(function)
+    yield from _filtered_indices(function)
+
+
+def _integer_quotients(function: Function) -> Iterator[str]:
+    """Yield a question about // where the result is neither an index nor a count."""
+    whole: set[int] = set()
+    counts = {
+        name.id
+        for node in ast.walk(function)
+        for part in _integer_operands(node)
+        for name in ast.walk(part)
+        if isinstance(name, ast.Name)
+    }
+    for node in ast.walk(function):
+        inner = list(_integer_operands(node))
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value) if name in counts:
+                inner.append(value)
+        whole |= {id(part) for one in inner for part in ast.walk(one)}
+    for node in ast.walk(function):
+        match node:
+            case ast.BinOp(op=ast.FloorDiv()) if id(node) not in whole:
+                yield f"{quote(node)} leaves out the fraction: is a whole number meant? / divides."
+
+
+def _cut_quotients(function: Function) -> Iterator[str]:
+    """Yield a question about int( ) or round( ) of a quotient that is returned or set."""
+    for node in ast.walk(function):
+        match node:
+            case ast.Assign(
+                targets=[ast.Name(id=name)],
+                value=ast.Call(func=ast.Name(id="int" | "round" as cut), args=[argument]),
+            ) if any(isinstance(part, ast.Div) for part in ast.walk(argument)):
+                places = [inner for other in ast.walk(function) for inner in _integer_operands(other)]
+                if not any(uses(place, name) for place in places):
+                    yield f"{cut}( ) leaves out the fraction of {name}: is a whole number meant?"
+
+
+def _integer_operands(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the subexpressions that must be integers."""
+    match node:
+        case ast.Subscript(slice=index):
+            yield index
+        case ast.Call(func=ast.Name(id="range" | "int" | "divmod" | "chr"), args=args):
+            yield from args
+        case ast.keyword(arg="id" | "sec" | "nanosec" | "nanoseconds" | "depth", value=value):
+            yield value
+        case ast.Assign(targets=[ast.Attribute(attr="id" | "sec" | "nanosec")], value=value):
+            yield value
+
+
+def _integer_arrays(function: Function) -> Iterator[str]:
+    """Yield a sentence for each array of integers that cuts off the fractions of numbers."""
+    created: dict[str, str] = {}
+    for node in ast.walk(function):
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call() as call) if _has_integers(call):
+                created[name] = ast.unparse(call)
+    for node in ast.walk(function):
+        match node:
+            case ast.Assign(targets=targets, value=value) if _may_be_fraction(value):
+                parts = [part for one in targets for part in getattr(one, "elts", [one])]
+                for part in parts:
+                    match part:
+                        case ast.Subscript(value=ast.Name(id=name)) if name in created:
+                            yield (
+                                f"{name} has whole numbers only, because of {created[name]}, and "
+                                "cuts off fractions: write 0.0 for 0, or dtype=float."
+                            )
+            case ast.Call() if _cuts_values(node) and not _is_index(function, node):
+                yield f"{quote(node)} cuts off the fraction of each number: leave out the integer type."
+
+
+def _has_integers(call: ast.Call) -> bool:
+    """Return whether a call creates an array of integers, as np.array([0, 0]) does."""
+    match call:
+        case ast.Call(
+            func=ast.Attribute(attr="array" | "asarray"), args=[ast.List() | ast.Tuple() as items, *_]
+        ):
+            numbers = [one for one in ast.walk(items) if isinstance(one, ast.Constant)]
+            has_names = any(isinstance(one, ast.Name | ast.Call) for one in ast.walk(items))
+            whole = bool(numbers) and all(type(one.value) is int for one in numbers) and not has_names
+            return _integer_type(call) or (whole and not _has_type(call))
+        case ast.Call(func=ast.Attribute(attr=name)) if name in _FILLED:
+            return _integer_type(call)
+    return False
+
+
+def _has_type(call: ast.Call) -> bool:
+    return len(call.args) > 1 or any(one.arg == "dtype" for one in call.keywords)
+
+
+def _integer_type(call: ast.Call) -> bool:
+    """Return whether a call passes a type of integers."""
+    passed = [*call.args[1:], *(one.value for one in call.keywords if one.arg == "dtype")]
+    return any(_INTEGER_TYPE.fullmatch(ast.unparse(one)) for one in passed)
+
+
+def _may_be_fraction(value: ast.expr) -> bool:
+    """Return whether a value is computed and not certain to be an integer."""
+    match value:
+        case ast.Constant(value=number):
+            return type(number) is float and number != int(number)
+        case ast.Name() | ast.Subscript():
+            return False
+        case ast.Call(func=ast.Name(id="int" | "len" | "round" | "ord")):
+            return False
+        case ast.Tuple(elts=items) | ast.List(elts=items):
+            return any(map(_may_be_fraction, items))
+    parts = list(ast.walk(value))
+    return any(
+        isinstance(one, ast.Div | ast.Attribute)
+        or (isinstance(one, ast.Constant) and isinstance(one.value, float))
+        or (isinstance(one, ast.BinOp) and not isinstance(one.op, ast.FloorDiv | ast.Mod))
+        for one in parts
+    )
+
+
+def _cuts_values(call: ast.Call) -> bool:
+    """Return whether a call converts other numbers to integers, as .astype(int) does."""
+    match call:
+        case ast.Call(func=ast.Attribute(attr="astype"), args=[kind]):
+            # uint8 is the type of images, whose values are whole numbers.
+            return bool(_INTEGER_TYPE.fullmatch(ast.unparse(kind))) and "uint8" not in ast.unparse(kind)
+        case ast.Call(
+            func=ast.Attribute(attr="array" | "asarray"), args=[ast.List() | ast.Tuple() as items, *_]
+        ):
+            return _integer_type(call) and any(map(_may_be_fraction, items.elts))
+        case ast.Call(func=ast.Attribute(attr="array" | "asarray"), args=[_, *_]):
+            return _integer_type(call) and "uint8" not in ast.unparse(call)
+    return False
+
+
+def _is_index(function: Function, call: ast.Call) -> bool:
+    """Return whether the result of a call is an index, or is assigned to a variable that is one."""
+    names = {
+        target.id
+        for node in ast.walk(function)
+        if isinstance(node, ast.Assign) and any(part is call for part in ast.walk(node.value))
+        for one in node.targets
+        for target in ast.walk(one)
+        if isinstance(target, ast.Name)
+    }
+    return any(
+        part is call or (isinstance(part, ast.Name) and part.id in names)
+        for node in ast.walk(function)
+        for inner in _integer_operands(node)
+        for part in ast.walk(inner)
+    )
+
+
+def _nanoseconds(function: Function) -> Iterator[str]:
+    """Yield a sentence for each number of nanoseconds that is used as one of seconds."""
+    numbers = [one.value for one in ast.walk(function) if isinstance(one, ast.Constant)]
+    is_converted = any(type(one) in (int, float) and one in _NANO for one in numbers) or any(
+        ast.unparse(one) == "10 ** 9" for one in ast.walk(function) if isinstance(one, ast.BinOp)
+    )
+    if is_converted:
+        return
+    for node in ast.walk(function):
+        match node:
+            case ast.BinOp(op=ast.Add(), left=left, right=right) if _ends_with(left, "sec") and any(
+                _ends_with(one, "nanosec") for one in ast.walk(right)
+            ):
+                yield (
+                    f"{quote(node)} is not a number of seconds: nanosec counts billionths, so write "
+                    f"{ast.unparse(left)} + {ast.unparse(left).removesuffix('sec')}nanosec / 1e9."
+                )
+    kept = {
+        ast.unparse(target)
+        for node in ast.walk(function)
+        if isinstance(node, ast.Assign)
+        and any(_ends_with(one, "nanoseconds") for one in ast.walk(node.value))
+        for target in node.targets
+    }
+    for node in ast.walk(function):
+        match node:
+            case ast.BinOp(op=ast.Mult() | ast.Div()):
+                for part in ast.walk(node):
+                    if _ends_with(part, "nanoseconds") or (
+                        isinstance(part, ast.Name | ast.Attribute) and ast.unparse(part) in kept
+                    ):
+                        yield f"{ast.unparse(part)} counts nanoseconds: / 1e9 makes seconds of it."
+                        return
+
+
+def _ends_with(node: ast.AST, field: str) -> bool:
+    return isinstance(node, ast.Attribute) and node.attr == field
+
+
+def _filtered_indices(function: Function) -> Iterator[str]:
+    """Yield a sentence for an index in a list of chosen beams that is used as the number of a beam."""
+    if not any(_ends_with(node, "angle_increment") for node in ast.walk(function)):
+        return
+    chosen = set()
+    for node in ast.walk(function):
+        match node:
+            case ast.Assign(
+                targets=[ast.Name(id=name)],
+                value=ast.ListComp(
+                    elt=ast.Name(id=item),
+                    generators=[ast.comprehension(target=ast.Name(id=other), ifs=[_, *_])],
+                ),
+            ) if item == other:
+                chosen.add(name)
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Subscript(slice=mask)) if any(
+                isinstance(one, ast.Compare) for one in ast.walk(mask)
+            ):
+                chosen.add(name)
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(func=ast.Attribute(value=ast.Name(id="np"), attr=method), args=[ast.Name(id=name)]):
+                pass
+            case ast.Call(func=ast.Attribute(value=ast.Name(id=name), attr=method)):
+                pass
+            case _:
+                continue
+        if name in chosen and method in ("index", "argmin", "nanargmin"):
+            yield (
+                f"{quote(node)} is the number among the chosen beams of {name}, and the angle "
+                "needs the one among all beams: enumerate(message.ranges) gives it with each distance."
+            )
