@@ -58,6 +58,11 @@ def hidden_module_hint(error: BaseException) -> str:
 def hidden_property_hint(error: BaseException) -> str:
     """Return the hint for a method with the name of a property of a node that rclpy reads, or ""."""
     frame = frame_of(error)
+    if frame is not None and frame.f_code.co_name == "__name_in_events":
+        return (
+            "rclpy itself calls get_name() and get_namespace() of a node, which return strings: choose "
+            "another name for your method."
+        )
     if frame is None or frame.f_code.co_name != "_reject_hidden_properties":
         return ""
     name = frame.f_locals["name"]

@@ -199,3 +199,14 @@ def test_overrides_take_precedence_over_defaults_if_their_type_matches(started_g
     text = "Trying to set parameter 'name' to 'a' of type 'STRING', expecting type 'INTEGER': name"
     with pytest.raises(InvalidParameterTypeException, match=f"^{text}$"):
         node.declare_parameter("name", 1)
+
+
+def test_parameter_services_have_the_name_that_an_overridden_method_returns(started_graph: Graph) -> None:
+    class Renamed(Node):
+        def get_name(self) -> str:
+            return "cube"
+
+    services = {name for name, _ in Renamed("talker").get_service_names_and_types()}
+    # As measured with rclpy, whose type description service asks its node otherwise.
+    assert {"/cube/set_parameters", "/talker/get_type_description"} <= services
+    assert "/talker/set_parameters" not in services

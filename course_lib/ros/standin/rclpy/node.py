@@ -189,7 +189,7 @@ class Node:
         overrides = arguments.parameters(self.handle.full_name)
         given = () if parameter_overrides is None else parameter_overrides
         overrides |= {parameter.name: parameter for parameter in given}
-        self.__parameter_store = ParameterStore(self.handle.full_name, self.__clock, events, overrides)
+        self.__parameter_store = ParameterStore(self.__name_in_events, self.__clock, events, overrides)
         self.__allow_undeclared_parameters = allow_undeclared_parameters
         if automatically_declare_parameters_from_overrides:
             declarations = [
@@ -243,6 +243,12 @@ class Node:
     def get_fully_qualified_name(self) -> str:
         """Return the fully qualified name: the namespace and the name."""
         return self.handle.require().full_name
+
+    def __name_in_events(self) -> str:
+        # rclpy calls the methods, which a student's class may override.
+        if self.get_namespace() == "/":
+            return self.get_namespace() + self.get_name()
+        return self.get_namespace() + "/" + self.get_name()
 
     def get_clock(self) -> Clock:
         """Return the clock of the node."""

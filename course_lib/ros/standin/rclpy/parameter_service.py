@@ -45,9 +45,9 @@ class ParameterService:
         self._node = node
         for name, kind in SERVICES.items():
             answer = getattr(self, f"_{name}")
-            node.create_service(
-                kind, f"{node.handle.name}/{name}", answer, qos_profile=qos_profile_parameters
-            )
+            # rclpy calls the method, which a student's class may override.
+            service = f"{node.get_name()}/{name}"
+            node.create_service(kind, service, answer, qos_profile=qos_profile_parameters)
 
     def _describe_parameters(self, request: Any, response: Any) -> Any:
         """Describe all requested parameters, or none if one of them is not declared, as in ROS."""

@@ -100,7 +100,7 @@ NODES = [
     (
         "def f():\n    g()\ndef g():\n    f()\nglobals().update(f=f, g=g)\nf()",
         "RecursionError: maximum recursion depth exceeded",
-        "a function calls itself endlessly, or two functions call each other.",
+        "f calls g, which calls f again, endlessly: leave one of these calls out.",
     ),
     (
         "node.create_timer(0.1, print('tick'))\nrclpy.spin(node)",
@@ -345,5 +345,16 @@ NODES = [
         "TypeError: Robot.heard() missing 1 required positional argument: 'message'",
         "a timer passes no message. Messages arrive by `self.create_subscription(Marker, "
         "'/a_topic', self.heard, 10)`; a timer calls `def heard(self)`.",
+    ),
+    (
+        "class Robot(Node):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('robot')\n"
+        "    def get_name(self):\n"
+        "        print('robot')\n"
+        "Robot()",
+        'TypeError: can only concatenate str (not "NoneType") to str',
+        "rclpy itself calls get_name() and get_namespace() of a node, which return strings: choose "
+        "another name for your method.",
     ),
 ]

@@ -33,6 +33,10 @@ class NodeInterface(HandledNode, Protocol):
     """
 
     @property
+    def get_name(self) -> Callable[[], str]:
+        """See `rclpy.node.Node.get_name`."""
+
+    @property
     def create_service(self) -> Callable[..., Any]:
         """See `rclpy.node.Node.create_service`."""
 

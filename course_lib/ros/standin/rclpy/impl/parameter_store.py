@@ -50,7 +50,7 @@ class ParameterStore:
     """The declared parameters of a node and the callbacks of changes.
 
     Args:
-        node_name: The node's fully qualified name.
+        node_name: Returns the node's fully qualified name, for the events.
         clock: The clock of the events' stamps.
         events: Publishes the changes.
         overrides: Values from outside the program, which replace the defaults of declarations.
@@ -58,7 +58,7 @@ class ParameterStore:
 
     def __init__(
         self,
-        node_name: str,
+        node_name: Callable[[], str],
         clock: Clock,
         events: Publisher[ParameterEvent],
         overrides: Mapping[str, Parameter],
@@ -151,7 +151,7 @@ class ParameterStore:
                 result = SetParametersResult(successful=False, reason="Callback returned an invalid type")
             if not result.successful:
                 return result
-        event = ParameterEvent(node=self._node_name, stamp=self._clock.now().to_msg())
+        event = ParameterEvent(node=self._node_name(), stamp=self._clock.now().to_msg())
         for parameter in parameters:
             name, message = parameter.name, parameter.to_parameter_msg()
             if parameter.type_ is Parameter.Type.NOT_SET and not new:
