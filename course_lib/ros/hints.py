@@ -8,6 +8,7 @@ import dis
 import linecache
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,6 +45,8 @@ _HINTS = {
 }
 
 
+# A function that calls itself more often than this repeats itself in the traceback of a RecursionError.
+_FEW_CALLS = 20
 # The hint for None in a field of text, and in one of a number.
 _NONE_VALUE = (
     "this is None: is it a parameter without a value, or a function that returns nothing?",
@@ -64,6 +67,14 @@ def add_hint(error: BaseException) -> None:
 
 def hint(error: BaseException) -> str:
     """Return the hint for an exception, or ""."""
+    try:
+        return _find_hint(error)
+    except (Exception, SystemExit):
+        # Attributes of a student's object may be code, like a __getattr__ that raises an exception.
+        return ""
+
+
+def _find_hint(error: BaseException) -> str:
     text = _text(error)
     if isinstance(error, SyntaxError):
         return syntax_hints.syntax_hint(error)
@@ -76,7 +87,8 @@ def hint(error: BaseException) -> str:
         if found:
             return found
     if (
-        found := hidden_names.hidden_property_hint(error)
+        found := _recursion_hint(error)
+        or hidden_names.hidden_property_hint(error)
         or hidden_names.hidden_module_hint(error)
         or near_names.key_hint(error)
         or _decimal_comma_hint(error, text)
@@ -95,12 +107,13 @@ def hint(error: BaseException) -> str:
         or _callback_hint(error)
         or _parameter_callback_hint(error, text)
         or hidden_names.shadowed_hint(error, text)
-        or _recursion_hint(error)
         or _loop_hint(error, text)
         or _order_hint(error, text)
         or _executor_hint(error)
         or _operand_hint(error, text)
         or _request_hint(error)
+        or _future_hint(error)
+        or _base_class_hint(error)
         or _list_hint(error, text)
         or _append_hint(error, text)
         or _number_loop_hint(error)
@@ -488,13 +501,57 @@ def _parameter_callback_hint(error: BaseException, text: str) -> str:
 
 
 def _recursion_hint(error: BaseException) -> str:
-    """Return the hint for a parameter callback that sets the parameter, and so calls itself, or ""."""
-    names = (frame.f_code.co_name for frame, _ in walk_tb(error.__traceback__))
-    if not isinstance(error, RecursionError) or "set_parameters" not in names:
+    """Return the hint for a function that calls itself endlessly, with its name, or ""."""
+    if not isinstance(error, RecursionError):
+        return ""
+    frames = [frame for frame, _ in walk_tb(error.__traceback__)]
+    if "set_parameters" in (frame.f_code.co_name for frame in frames):
+        return (
+            "set_parameters calls this callback again: leave it out. The parameter has its new value "
+            "when the callback has returned `SetParametersResult(successful=True)`."
+        )
+    counts = Counter(frame.f_code for frame in frames if near_names.is_own_file(frame.f_code.co_filename))
+    repeated = [code for code, count in counts.items() if count > _FEW_CALLS]
+    if not repeated:
+        return ""
+    code, name = repeated[0], repeated[0].co_name
+    if len(repeated) > 1:
+        others = join_words(list(dict.fromkeys(one.co_name for one in repeated[1:])))
+        return f"{name} calls {others}, which calls {name} again, endlessly: leave one of these calls out."
+    if name == "__init__":
+        return "__init__ creates or calls its own class again: begin it with super().__init__('a_name')."
+    if name == "__getattr__":
+        return "__getattr__ reads an attribute that is missing, and so calls itself: leave __getattr__ out."
+    owner = next(frame.f_locals.get("self") for frame in frames if frame.f_code is code)
+    for kind in type(owner).__mro__:
+        own = vars(kind).get(name)
+        if isinstance(own, property) and code in (
+            getattr(method, "__code__", None) for method in (own.fget, own.fset)
+        ):
+            return f"self.{name} in the property {name} calls it again: keep the value in self._{name}."
+    return f"{name} calls itself endlessly: leave this call out, or return before it in one case."
+
+
+def _future_hint(error: BaseException) -> str:
+    """Return the hint for the fields of a result that has not arrived yet, or ""."""
+    line = near_names.line_of_student(error)
+    if isinstance(error, AttributeError) and error.obj is None and re.search(r"\.result\(\)\.\w", line):
+        return "the response has not arrived yet: `await future`, or `future.add_done_callback(f)`."
+    return ""
+
+
+def _base_class_hint(error: BaseException) -> str:
+    """Return the hint for a class whose base is an object, because a variable has its name, or ""."""
+    match = re.match(r"\s*class \w+\((\w+)\)", near_names.line_of_student(error))
+    frame = near_names.frame_of(error)
+    if match is None or frame is None or not isinstance(error, TypeError):
+        return ""
+    base = {**frame.f_globals, **frame.f_locals}.get(match[1])
+    if base is None or isinstance(base, type | ModuleType):
         return ""
     return (
-        "set_parameters calls this callback again: leave it out. The parameter has its new value "
-        "when the callback has returned `SetParametersResult(successful=True)`."
+        f"{match[1]} is a variable here, {match[1]} = …, and hides the class {match[1]}: choose another "
+        "name for it, and import the class again."
     )
 
 

@@ -209,11 +209,15 @@ def frame_of(error: BaseException) -> FrameType | None:
     return trace.tb_frame if trace is not None else None
 
 
+def is_own_file(name: str) -> bool:
+    """Return whether a file or a cell does not belong to the kit, to Python or to a library."""
+    return not name.startswith((_KIT_FOLDER, "<frozen", *sysconfig.get_paths().values()))
+
+
 def line_of_student(error: BaseException) -> str:
     """Return the traceback's innermost line outside the kit, Python and its libraries, or ""."""
-    others = (_KIT_FOLDER, "<frozen", *sysconfig.get_paths().values())
     lines = [(frame.f_code.co_filename, number) for frame, number in walk_tb(error.__traceback__)]
-    own = [(name, number) for name, number in lines if not name.startswith(others)]
+    own = [(name, number) for name, number in lines if is_own_file(name)]
     return linecache.getline(*own[-1]) if own else ""
 
 

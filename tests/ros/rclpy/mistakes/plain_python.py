@@ -614,4 +614,72 @@ PLAIN_PYTHON = [
         "SyntaxError: invalid decimal literal",
         "in an f-string the format follows a colon: `f'{3.14159:.2f}'`.",
     ),
+    (
+        "import numpy as np\np = np.array([0, 0])\np += 0.5",
+        "_UFuncOutputCastingError: Cannot cast ufunc 'add' output from dtype('float64') to "
+        "dtype('int64') with casting rule 'same_kind'",
+        "this array has whole numbers only: begin it with decimal points, `np.array([0.0, 0.0])`, or "
+        "dtype=float.",
+    ),
+    (
+        "reversed(zip([1], [2]))",
+        "TypeError: 'zip' object is not reversible",
+        "reversed needs a list: reversed(list(zip(…))).",
+    ),
+    (
+        "if ['LaserScan'] in 'LaserScan':\n    pass",
+        "TypeError: 'in <string>' requires string as left operand, not list",
+        "what is looked for comes first, and then where: `'map' in ['map', 'odom']`.",
+    ),
+    (
+        "import copy\nimport threading\ncopy.deepcopy(threading.Lock())",
+        "TypeError: cannot pickle '_thread.lock' object",
+        "a node, a viewer or a lock cannot be copied: create a new one, or copy a message alone.",
+    ),
+    (
+        "def angles():\n    yield next(iter([]))\nlist(angles())",
+        "RuntimeError: generator raised StopIteration",
+        "next(…) found no further item, because the iterator is at its end: itertools.cycle(…) begins again.",
+    ),
+    (
+        "def turn():\n    print(count)\n    global count",
+        "SyntaxError: name 'count' is used prior to global declaration",
+        "global is the first line of the function. An attribute like self.count needs no global.",
+    ),
+    (
+        "marker = Marker()\nmarker.id := 1",
+        "SyntaxError: cannot use assignment expressions with attribute",
+        "a value is set with =, without a colon.",
+    ),
+    (
+        "Node = 3\nclass Robot(Node):\n    pass",
+        "TypeError: int() takes at most 2 arguments (3 given)",
+        "Node is a variable here, Node = …, and hides the class Node: choose another name for it, and "
+        "import the class again.",
+    ),
+    (
+        "def turn(angle):\n    return turn(angle)\nturn(1.0)",
+        "RecursionError: maximum recursion depth exceeded",
+        "turn calls itself endlessly: leave this call out, or return before it in one case.",
+    ),
+    (
+        "def turn(angle):\n    return back(angle)\ndef back(angle):\n    return turn(angle)\nturn(1.0)",
+        "RecursionError: maximum recursion depth exceeded",
+        "turn calls back, which calls turn again, endlessly: leave one of these calls out.",
+    ),
+    (
+        "class Robot(Node):\n    def __init__(self):\n        Robot.__init__(self)\nRobot()",
+        "RecursionError: maximum recursion depth exceeded",
+        "__init__ creates or calls its own class again: begin it with super().__init__('a_name').",
+    ),
+    (
+        "class Arm:\n    @property\n    def angle(self):\n        return self.angle\nArm().angle",
+        "RecursionError: maximum recursion depth exceeded",
+        "self.angle in the property angle calls it again: keep the value in self._angle.",
+    ),
+    (
+        "class Arm:\n    def __getattr__(self, name):\n        return self.missing\nArm().angle",
+        "RecursionError: maximum recursion depth exceeded",
+        "__getattr__ reads an attribute that is missing, and so calls itself: leave __getattr__ out.",
+    ),
 ]

@@ -69,4 +69,10 @@ TIMES = [
         "TypeError: time.sleep() takes exactly one argument (0 given)",
         "",
     ),
+    (
+        "float(Duration(seconds=1.0))",
+        "TypeError: float() argument must be a string or a real number, not 'Duration'",
+        "its length in seconds is `Duration(seconds=1.0).nanoseconds / 1e9`, and a Time has nanoseconds, "
+        "too.",
+    ),
 ]
