@@ -13,12 +13,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from course_lib.arrays import AnyArray, Bytes, Matrix, Pixels
-from course_lib.displays.display import (
-    DrawnDisplay,
-    Subscription,
-    TopicDisplay,
-    node_name,
-)
+from course_lib.displays.display import DrawnDisplay, Subscription, TopicDisplay, node_name
 from course_lib.displays.properties import Property, booleans, color, flag, integer, number, words
 from course_lib.displays.shapes import rgba_of
 from course_lib.displays.statuses import Level

@@ -22,14 +22,7 @@ from typing import Any
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import build
-from course_lib.grading.run.outcome import (
-    MAX_ERRORS,
-    RAISED,
-    Outcome,
-    describe,
-    plain,
-    still_running_message,
-)
+from course_lib.grading.run.outcome import MAX_ERRORS, RAISED, Outcome, describe, plain, still_running_message
 from course_lib.grading.task import ON_A_GRAPH, Message, Scenario, Task, resolve
 from course_lib.ros.graph import remote
 from course_lib.ros.graph.graph import START_NS, Graph, Sample, current_graph, use_graph

@@ -28,13 +28,7 @@ from course_lib.grading.jail.launch import (
     WorkerError,
     shared_template,
 )
-from course_lib.grading.run.outcome import (
-    MAX_ERRORS,
-    MAX_LENGTH,
-    Outcome,
-    is_plain,
-    still_running_message,
-)
+from course_lib.grading.run.outcome import MAX_ERRORS, MAX_LENGTH, Outcome, is_plain, still_running_message
 from course_lib.grading.run.scenario import MOST_EVIDENCE, ScenarioGraph
 from course_lib.grading.task import Scenario, Task
 from course_lib.ros.graph import remote

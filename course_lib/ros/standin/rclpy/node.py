@@ -61,7 +61,7 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_service import LoggingService, ParameterService, TypeDescriptionService
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events, qos_profile_services_default
-from rclpy.qos_overriding_options import Declares, QoSOverridingOptions, apply_overrides
+from rclpy.qos_overriding_options import QoSOverridingOptions, apply_overrides
 from rclpy.service import Service
 from rclpy.subscription import MessageInfo, Subscription
 from rclpy.time_source import TimeSource
@@ -712,7 +712,7 @@ class Node:
             if qos_profile < 0:
                 raise ValueError("history depth must be greater than or equal to zero")
             qos_profile = QoSProfile(depth=qos_profile)
-        return apply_overrides(cast("Declares", self), kind, topic, qos_profile, options)
+        return apply_overrides(self, kind, topic, qos_profile, options)
 
     def __created_of(self, kind: type) -> Iterator[Any]:
         return (created for created in self.__created_entities if isinstance(created, kind))

@@ -3,12 +3,13 @@
 from collections.abc import Callable, Iterable
 from copy import copy
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 from rcl_interfaces.msg import ParameterDescriptor
 
 from rclpy.duration import Duration
 from rclpy.exceptions import ParameterAlreadyDeclaredException
+from rclpy.impl.node_handle import NodeInterface
 from rclpy.qos import POLICIES, QoSPolicyEnum, QoSPolicyKind, QoSProfile
 
 
@@ -56,18 +57,8 @@ class QoSOverridingOptions:
         return cls(_DEFAULT, callback=callback, entity_id=entity_id)
 
 
-class Declares(Protocol):
-    """The part of a node that declares parameters."""
-
-    def declare_parameter(self, name: str, value: Any, descriptor: ParameterDescriptor) -> Any:
-        """Declare a parameter."""
-
-    def get_parameter(self, name: str) -> Any:
-        """Return a parameter."""
-
-
 def apply_overrides(
-    node: Declares,
+    node: NodeInterface,
     kind: Literal["publisher", "subscription"],
     topic: str,
     profile: QoSProfile,
