@@ -89,7 +89,7 @@ def check_title(title: str) -> None:
 
 
 def unchanged_files(week: str, course: Course) -> list[Path]:
-    """Return the files of a week, except notebooks, that are unchanged since `new_week` wrote them."""
+    """Return the files of a week, except notebooks, that are as `new_week` wrote them."""
     try:
         title = read_course_file(course.exercises / "course.toml").weeks[week].title
     # A week may have only a check file.

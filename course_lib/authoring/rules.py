@@ -320,7 +320,7 @@ def wrong_minutes(page: NotebookPage) -> Iterator[str]:
 
 
 def wrong_minutes_in_metadata(page: NotebookPage) -> Iterator[str]:
-    """Yield a flaw if the total time in the metadata, for the contents page, differs from that sum."""
+    """Yield a flaw if the metadata's total time, for the contents page, differs from that sum."""
     total = sum(map(int, MINUTES.findall(page.markdown)))
     minutes = page.notebook["metadata"].get("course", {}).get("minutes")
     if minutes != total:
@@ -581,7 +581,7 @@ def _problem(message: Message, task: Task) -> str:
 
 
 def _last_quoted_name(text: str) -> str:
-    """Return the last quoted name, which in error messages of Python and ROS is the misspelled one."""
+    """Return the last quoted name, which in errors of Python and ROS is the misspelled one."""
     return f'"{text.rsplit(chr(39), 2)[-2]}"' if text.count("'") > 1 else ""
 
 

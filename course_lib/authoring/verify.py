@@ -469,7 +469,7 @@ def _check_quizzes(week: str, course: Course) -> Iterator[Flaw]:
 
 
 def _idle_mutants(course: Course) -> Iterator[Flaw]:
-    """Yield a flaw for each of the course's own mutation operators that does not match any solution."""
+    """Yield a flaw for each of the course's own mutation operators that matches no solution."""
     path = course.solutions / "answers" / "mutants.toml"
     # Each week reports its unreadable files.
     with suppress(CourseError):

@@ -99,7 +99,7 @@ def stamp(notebook: Notebook, student: str) -> bool:
 
 
 def stamp_exercises(folder: Path, student: str) -> list[Path]:
-    """Store the ID in all exercises of the student's folder, skipping files that are not notebooks."""
+    """Store the ID in all exercises of the student's folder; skip files that are not notebooks."""
     exercises = sorted(folder.glob("week*_exercise*.ipynb"))
     for path in exercises:
         try:

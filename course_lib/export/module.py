@@ -54,7 +54,7 @@ def _text(file: Path) -> str:
 
 
 def _with_modules(cell: Cell, folder: Path) -> Iterator[Cell]:
-    """Yield each module in the folder that a cell imports from, then the cell without these imports."""
+    """Yield the local modules that a cell imports from, then the cell without these imports."""
     lines = cell.source.splitlines()
     modules = {name: folder / f"{name}.py" for name in re.findall(r"^from (\w+) import", cell.source, re.M)}
     for name, module in modules.items():
@@ -412,7 +412,7 @@ def _sort_imports(imports: set[str]) -> str:
 
 
 def _tidy(text: str) -> str:
-    """Format code for ROS's linters: single quotes, and a period at the end of one-line docstrings."""
+    """Format code for ROS's linters: single quotes, and a period after one-line docstrings."""
     lines = text.splitlines()
     for token in reversed(list(tokenize.generate_tokens(io.StringIO(text).readline))):
         plain = _DOUBLE_QUOTED.fullmatch(token.string)

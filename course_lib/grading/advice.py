@@ -236,7 +236,7 @@ class Code:
         return bases == ["Node"]
 
     def follows(self, hint: str) -> bool:
-        """Return whether a hint contains code in backticks that the student's code already contains."""
+        """Return whether the code already contains the code that a hint has in backticks."""
         snippets = _SNIPPET.findall(hint)
         return bool(snippets) and all(self.has(snippet) for snippet in snippets)
 
@@ -513,7 +513,7 @@ def nan_hint(evidence: Iterable[Evidence]) -> list[str]:
 
 
 def wrong_type_hint(evidence: Iterable[Evidence]) -> list[str]:
-    """Return a sentence about the first topic that the code subscribes to with another type, or []."""
+    """Return a sentence about the first topic that is subscribed to with another type, or []."""
     warnings = (re.search(r"Incompatible type on topic '(\S+)'", one.output) for one in evidence)
     topics = [matches[1] for matches in warnings if matches]
     return [

@@ -191,7 +191,7 @@ class Evidence:
         return {sample.topic: sample.type_name for sample in self.samples}
 
     def messages(self, topic: str) -> list[tuple[float, Any]]:
-        """Return (time since the start [s], message) pairs of a topic, skipping other message types."""
+        """Return (time since the start [s], message) pairs of a topic, without other types."""
         if topic not in self._decoded:
             pairs = [(s.stamp_ns, _decode(s)) for s in self.samples if s.topic == topic]
             self._decoded[topic] = [((ns - START_NS) / 1e9, m) for ns, m in pairs if m is not None]

@@ -1,4 +1,4 @@
-"""Executors for the stages `run` and `judge`: this process, several processes, or a Dask cluster."""
+"""Executors for the stages `run` and `judge`: this process, a pool of processes, or Dask."""
 
 import multiprocessing
 import os
@@ -153,7 +153,7 @@ def flow(
     calls: Iterable[tuple[Tag, Sequence[Any]]],
     window: int,
 ) -> Iterator[tuple[Tag, Future[Any]]]:
-    """Submit calls for (tag, arguments), `window` at a time, and yield (tag, future) as they end."""
+    """Submit calls (tag, arguments), `window` at a time, and yield (tag, future) as they end."""
     pending: dict[Future[Any], Tag] = {}
     for tag, arguments in calls:
         pending[executor.submit(function, *arguments)] = tag

@@ -179,7 +179,7 @@ def _trials(exercise: str, solution: Path, course: store.Course) -> Iterator[Tri
 
 
 def _run(trials: Iterable[Trial], out: Path, runner: Executor) -> dict[Trial, Path]:
-    """Run the trials that have no evidence from this machine, and return the path of each evidence."""
+    """Run the trials without evidence from this machine, and return the path of each evidence."""
     # Evidence depends on the machine and the kit, besides the job.
     own_location, digest = installed_kit()
     try:

@@ -1,4 +1,4 @@
-"""The stage `judge`: scores from evidence. Its functions are pure: equal evidence gets equal scores."""
+"""The stage `judge`: pure functions from evidence to scores, equal for equal evidence."""
 
 import signal
 import time

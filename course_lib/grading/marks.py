@@ -165,7 +165,7 @@ def _without_time(mark: HandMark) -> HandMark:
 
 
 def apply_marks(result: TaskResult, marks: Iterable[HandMark], sha256: str) -> TaskResult:
-    """Return a task with graders' points: the last one for the whole task, or the sum over all rows."""
+    """Return a task with graders' points: the last ones for the task, or the sum of all rows."""
     marks_of_task = [mark for mark in standing_marks(marks) if mark.task == result.task]
     by_row = {mark.row: mark.comment for mark in marks_of_task}
     comments = tuple(f"{row}: {comment}".lstrip(": ") for row, comment in by_row.items() if comment)
@@ -396,7 +396,7 @@ def read_result(path: Path) -> MarkedResult:
 
 
 def results_in(out: Path) -> Iterator[MarkedResult]:
-    """Yield all results by student and exercise, one at a time, because together they may be large."""
+    """Yield all results by student and exercise, one at a time, as together they may be large."""
     return map(read_result, sorted((out / "results").glob("*/*.json")))
 
 

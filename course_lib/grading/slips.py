@@ -33,7 +33,7 @@ def parse(source: str) -> ast.AST:
 
 
 def function_slips(function: Function, attributes: set[str]) -> Iterator[str]:
-    """Yield a sentence for each slip in a function, or in a method of a class with these attributes."""
+    """Yield a sentence for each slip in a function, or a method of a class with these attributes."""
     for block in _blocks(function):
         yield from _idle_statements(block)
         yield from _recreations(block)
@@ -247,7 +247,7 @@ def _loops(block: Sequence[ast.stmt], function: str) -> Iterator[str]:
 
 
 def emptied_names(statement: ast.stmt) -> list[str]:
-    """Return the variables that a statement sets to an empty list, as in `columns, rows = [], []`."""
+    """Return the variables that a statement sets to an empty list: `columns, rows = [], []`."""
     match statement:
         case ast.Assign(targets=[ast.Tuple(elts=targets)], value=ast.Tuple(elts=values)) if len(
             targets

@@ -278,7 +278,7 @@ def _without_personal_points(
 
 
 def _needs_id(check: Check, task: Task) -> bool:
-    """Return whether a check uses a personal value, or may use one because its call is not recorded."""
+    """Return whether a check uses a personal value, or may, because its call is not recorded."""
     return bool(task.personal) and (check.origin is None or is_personal(check.origin.arguments))
 
 

@@ -1,4 +1,4 @@
-"""A result as text and HTML, the templates of pages, and strings made safe for files and terminals."""
+"""A result as text and HTML, templates of pages, and strings for files and terminals."""
 
 import csv
 import io

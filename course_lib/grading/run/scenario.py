@@ -407,7 +407,7 @@ MAX_PRINTED = 1_000_000  # characters kept of the output of a run in this proces
 
 
 class BoundedOutput(io.StringIO):
-    """A stream that keeps MAX_PRINTED characters, so that an endless loop does not fill the memory."""
+    """A stream that keeps MAX_PRINTED characters, so that endless loops do not fill the memory."""
 
     def write(self, text: str) -> int:
         """Append as much of the text as fits."""

@@ -241,7 +241,7 @@ class ReceivedFileReader:
         return data
 
     def _limit_content(self, parts: tuple[str, ...], data: bytes) -> bytes | None:
-        """Return a file's content, without outputs for a large notebook, or None if it is too large."""
+        """Return a file's content, of a large notebook without outputs; None if it is too large."""
         if len(data) <= MAX_BYTES:
             return data
         content = without_outputs(data) if len(data) <= _limit(parts) else data

@@ -138,7 +138,7 @@ class Exports:
 
 @dataclass(frozen=True)
 class Download:
-    """A platform's download: its path, its layout, and whether all its folders are in a single one."""
+    """A platform's download: its path, its layout, and whether one folder contains all others."""
 
     source: Path
     layout: readers.Layout

@@ -138,7 +138,7 @@ def lex(cell: str) -> Iterator[Raw]:
 
 
 def _own_names(raw: Sequence[Raw]) -> Iterator[str]:
-    """Yield the names of functions, classes, constants and attributes that the code itself defines."""
+    """Yield the names of functions, classes, constants and attributes that the code defines."""
     from pygments.token import Name
 
     values = [value for _, value, _ in raw]

@@ -288,7 +288,7 @@ def _cells_in(folder: Path, names: str) -> dict[str, frozenset[str]]:
 
 @lru_cache(maxsize=100)
 def released_digest(exercise: str) -> str:
-    """Return the digest of the cells of an unchanged exercise, or "" if the course does not have it."""
+    """Return the digest of the cells of an unchanged exercise, or "" if the course lacks it."""
     path = exercises_dir() / f"{exercise}.ipynb"
     try:
         return parse_notebook(read_bytes(path), path.name).digest

@@ -279,7 +279,7 @@ def submit(path: Path, out: Path | None = None) -> Receipt:
 
 
 def _record_submission(path: Path, notebook: Notebook, out: Path, time: str) -> list[str]:
-    """Record the packed file in the student's folder for `course status`, and return the warnings."""
+    """Record the packed file in the student's folder for `course status`; return the warnings."""
     folder, exercise = find_student_folder(path.parent), notebook.exercise or ""
     state = state_of(folder)
     if folder is not None:

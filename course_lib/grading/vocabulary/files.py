@@ -1,4 +1,4 @@
-"""Checks of submitted files: launch files, judged by the record of their run, and layouts of RViz2."""
+"""Checks of submitted files: launch files, by the record of their run, and layouts of RViz2."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
