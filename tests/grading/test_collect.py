@@ -207,6 +207,26 @@ def test_unsafe_files_are_rejected_and_the_rest_is_collected(sort: Sort, tmp_pat
     assert collected_files(tmp_path) == ["in.zip", "out/received.csv", f"out/zoe/{NAME}"]
 
 
+@pytest.mark.parametrize(
+    ("files", "why"),
+    [
+        ({}, "it contains no files"),
+        ({"work/": b""}, "it contains no files"),
+        (
+            {f".ipynb_checkpoints/{NAME}": notebook("a = 1")},
+            f"it contains no files except .ipynb_checkpoints/{NAME}, which a program has added",
+        ),
+    ],
+)
+def test_student_with_an_archive_without_files_is_rejected(
+    sort: Sort, tmp_path: Path, files: Mapping[str, bytes], why: str
+) -> None:
+    collection = sort({f"ada/{NAME}": notebook("a = 1"), "bob/work.zip": zipped(files)})
+    assert collection.refused == [f"refused: bob/work.zip: {why}"]
+    assert collection.rejected == {"bob"}
+    assert why in collection.rows["bob/work.zip"]["refused"]
+
+
 def test_first_of_two_archive_members_with_one_name_counts(sort: Sort, tmp_path: Path) -> None:
     second = BytesIO(zipped({f"ada/{NAME}": notebook("first")}))
     with pytest.warns(UserWarning, match="Duplicate"), zipfile.ZipFile(second, "a") as archive:
@@ -333,8 +353,10 @@ def test_backslashes_in_a_student_archive_do_not_lead_elsewhere(tmp_path: Path, 
     ],
 )
 def test_rejection_states_the_type_of_a_file_that_is_not_a_notebook(data: bytes, reason: str) -> None:
-    with pytest.raises(CourseError, match=reason):
+    with pytest.raises(CourseError, match=reason) as raised:
         parse_notebook(data, "week01_exercise.ipynb")
+    advice = "git checkout --ours week01_exercise.ipynb" if b"<<<<<<<" in data else "Save it again"
+    assert advice in str(raised.value)
 
 
 @pytest.mark.parametrize(

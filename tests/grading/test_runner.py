@@ -73,7 +73,7 @@ answer = sorted(name for name in names - dis.opmap.keys() if not name.endswith("
 
 def test_missing_object_is_reported() -> None:
     evidence, _ = run("x = 1")
-    assert evidence.errors == ("answer is not defined: no cell that ran without an error defines it",)
+    assert evidence.errors == ("answer is not defined: no code cell that ran without an error defines it",)
 
 
 def test_nodes_of_one_scenario_do_not_affect_the_next() -> None:

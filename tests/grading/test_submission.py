@@ -90,6 +90,14 @@ def test_full_disk_leaves_the_former_packed_file_unchanged(
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted([exercise.name, out.name])
 
 
+@pytest.mark.parametrize("code", ["", " \n"])
+def test_notebook_without_code_is_rejected(tmp_path: Path, write_notebook: WriteNotebook, code: str) -> None:
+    path = write_notebook(tmp_path / "ada/week01_exercise.ipynb", code)
+    (submission,) = find_submissions(tmp_path)
+    assert (submission.reason, submission.notebook) == ("no code", None)
+    assert submission.problem.startswith(f"{path.name} has no code in its code cells. Open it")
+
+
 def test_notebook_source_may_be_a_list_of_lines_and_metadata_arbitrary() -> None:
     cells = [{"cell_type": "code", "source": ["a = 1\n", "b = 2", 3]}, {"cell_type": "markdown"}]
     notebook = parse_notebook(json.dumps({"cells": cells, "metadata": {"course": 7}}).encode(), "n")

@@ -28,7 +28,7 @@ MAX_ERRORS = 20
 
 
 # The part of an error message after the name of the object.
-NOT_DEFINED = "is not defined: no cell that ran without an error defines it"
+NOT_DEFINED = "is not defined: no code cell that ran without an error defines it"
 
 
 @dataclass

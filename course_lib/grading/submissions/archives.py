@@ -88,6 +88,14 @@ def read_member(archive: zipfile.ZipFile, member: zipfile.ZipInfo | str, max_byt
         raise CourseError(f"can't be unpacked: {error}") from error
 
 
+def _check_content(archive: zipfile.ZipFile) -> None:
+    """Raise a CourseError for an archive without files, or with files of the operating system only."""
+    names = [name for name in map(_member_name, archive.infolist()) if not name.endswith(("/", "\\"))]
+    if all(any(map(_is_junk, name.replace("\\", "/").split("/"))) for name in names):
+        which = f" except {names[0]}, which a program has added" if names else ""
+        raise CourseError(f"it contains no files{which}")
+
+
 def _check_count(count: int, max_count: int) -> None:
     if count > max_count:
         raise CourseError(f"it has {count} files, expected at most {MAX_MEMBERS}")
@@ -174,6 +182,7 @@ class ReceivedFileReader:
                 elif depth >= MAX_DEPTH:
                     raise CourseError("archives are nested too deeply")
                 else:
+                    _check_content(archive)
                     for inner in self._members(archive, arrival.components):
                         yield from self._open(inner, depth + 1)
         except CourseError as error:

@@ -32,6 +32,7 @@ LOOKS_LIKE = {
     b"7z\xbc\xaf": "it is a 7z archive",
     b"vers": "it is a pointer of Git LFS to a file that is missing here",
 }
+SAVE_AGAIN = "Save it again in JupyterLab"
 CONFLICT = re.compile(rb"^(<{7} |>{7} )", re.MULTILINE)  # git's markers
 _RUN = re.compile(r"^%run\s+([\w./-]+\.py)\b", re.MULTILINE)
 # The text about a file of `own_modules`.
@@ -77,7 +78,9 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
         if CONFLICT.search(data):
             kinds.insert(0, "git's markers of a merge conflict are in it")
         problem = kinds[0] if kinds else "it is not JSON" if start else "it is empty"
-        raise CourseError(f"{name} is not a notebook: {problem}. Save it again in JupyterLab.") from error
+        # JupyterLab cannot open a file with conflict markers.
+        advice = f"Choose one version: git checkout --ours {name}" if CONFLICT.search(data) else SAVE_AGAIN
+        raise CourseError(f"{name} is not a notebook: {problem}. {advice}.") from error
     content = _dict(content)
     # Format 3 stores the cells in worksheets.
     sheets = content.get("worksheets")

@@ -232,6 +232,9 @@ def read_submission(path: Path, ledger: Ledger) -> Submission:
                 "a lesson",
             )
             notebook = None
+        elif exercise and not any(cell.strip() for cell in notebook.cells):
+            problem = f"{path.name} has no code in its code cells. Open it, save it and submit it again"
+            notebook, reason = None, "no code"
     except CourseError as error:
         # Results contain no absolute paths of this machine.
         problem = str(error).replace(str(path), path.name)
