@@ -75,15 +75,18 @@ def test_moodle_feedback_assigns_each_report_to_its_submitter(
     students = [
         Handed("Ada Lovelace", 101, "ada", files={NAME: code(right)}),
         Handed("René d'Août-Müller", 102, "rene", files={NAME: b"<html>"}),
+        # As some systems write it, with a letter and a combining mark.
+        Handed("Zoe\u0308", 104, "zoe", files={NAME: code("x = 1")}),
         Handed("=cmd|evil _7_", 103, "cleo", files={NAME: notebook("x = 1")}),
     ]
     moodle_zip(tmp_path / "moodle.zip", students)
     lines = feedback(graded(tmp_path / "moodle.zip"), "moodle", course=course)
     files = members(tmp_path / "out/feedback/week01_exercise_moodle.zip")
     assert {moodle_import(name): b"viewer" in page for name, page in files.items()}.keys() == {
-        (number, "week01_exercise.html") for number in (101, 102, 103)
+        (number, "week01_exercise.html") for number in (101, 102, 103, 104)
     }
-    assert "3 reports" in lines[-1]
+    assert "Zoë_104_assignfeedback_file_week01_exercise.html" in files
+    assert "4 reports" in lines[-1]
     assert "Upload multiple feedback files in a zip" in lines[-1]
     pages = {moodle_import(name): page for name, page in files.items()}
     page = pages[101, "week01_exercise.html"]

@@ -65,8 +65,9 @@ def test_submission_after_the_last_accepted_day_gets_no_points_with_a_reason(
     assert (bob["days_late"], bob["final"], bob["status"]) == (4, 0, "graded")
     assert "not accepted: 4 started days late, at most 3 are accepted" in str(bob["message"])
     pages = [(tmp_path / f"out/reports/{name}/week01_exercise.html").read_text() for name in ("ada", "bob")]
-    assert "more than 20 %, so 20 %" in pages[0]
-    assert "This is not accepted: 4 started days late" in pages[1]
+    assert "3 \u00d7 10 % of 110 points, at most 20 %:" in pages[0]
+    assert "This is not accepted: 4 started days late, at most 3" in pages[1]
+    assert "so no points count:" in pages[1]
 
 
 def test_default_grace_period_covers_the_last_minute_of_the_deadline() -> None:

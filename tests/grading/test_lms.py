@@ -78,7 +78,7 @@ def test_canvas_csv_is_unchanged_except_for_the_marks(fill: Fill, encoding: str,
     assert lines == [
         "lms.csv: row 6, cleo3: grader_error, row unchanged",
         "lms.csv: row 7, dora4: no mark",
-        "gradebook.csv: ghost9: no such ID in lms.csv",
+        "gradebook.csv: no such ID in lms.csv: ghost9",
         lines[-1],
     ]
     assert lines[-1].endswith(

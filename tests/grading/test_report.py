@@ -91,7 +91,7 @@ def test_lateness_is_reported_in_the_time_zone_of_the_course(
     page = " ".join(report(course, tmp_path, notebook).split())
     assert "Received 2026-10-13 00:10+02:00 (Europe/Paris; by received.csv)" in page
     assert "deadline 2026-10-11 23:59+02:00: 2 started days late." in page
-    assert "2 \u00d7 10 % of 110 are 22 points off: 110 \u2212 22 = <strong>88</strong>." in page
+    assert "takes off 2 \u00d7 10 % of 110 points: 110 \u2212 22 = <strong>88</strong>." in page
 
 
 @pytest.mark.sample(1)

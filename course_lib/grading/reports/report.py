@@ -2,6 +2,7 @@
 
 import io
 import re
+import unicodedata
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -387,7 +388,9 @@ def _report_name(result: MarkedResult, platform_file: PlatformName | None, form:
     return form.name.format(
         name="anon"
         if is_anonymous
-        else re.sub(r"[^\w .-]|_", "", platform_file.name).strip(" .") or "student",
+        # Letters may be written as a base and a mark, which is not part of a word.
+        else re.sub(r"[^\w .-]|_", "", unicodedata.normalize("NFC", platform_file.name)).strip(" .")
+        or "student",
         number=platform_file.number,
         attachment=platform_file.attachment,
         exercise=re.sub(r"\W", "", result.exercise),

@@ -10,7 +10,7 @@ from course_lib.course.exercise import normalise
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
 from course_lib.grading.marks import results_in, standing_marks
-from course_lib.grading.reports.table import escape_formula, printable
+from course_lib.grading.reports.table import escape_formula, join_few, printable
 from course_lib.grading.submissions.notebook import full_exercise_name
 from course_lib.grading.submissions.roster import LmsFile
 
@@ -88,14 +88,12 @@ def fill_lms(
             file.rows[row][comment_place] = f'"{quoted}"'
     write_atomically(target, file.to_bytes())
     rows = (f"row {row + 1}, {file.text(row, id_place) or 'no ID'}: {why}" for row, why in unfilled.items())
+    # A CSV of one section lacks most students.
+    elsewhere = [mark["student"] for key, mark in marks.items() if key not in ids.values()]
     lines = [
         *_points_lines(max_points, marks.values(), mark_column),
         *(f"{lms.name}: {row}" for row in rows),
-        *(
-            f"gradebook.csv: {mark['student']}: no such ID in {lms.name}"
-            for key, mark in marks.items()
-            if key not in ids.values()
-        ),
+        *([f"gradebook.csv: no such ID in {lms.name}: {join_few(elsewhere)}"] if elsewhere else []),
     ]
     return [*map(printable, lines), f"Wrote {target}: {len(ids) - len(unfilled)} {KINDS[mark_column]}."]
 
