@@ -3,7 +3,7 @@
 import math
 import re
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -196,6 +196,16 @@ class CourseFile:
         of_groups = [settings.extensions[name] for name in own_groups if name in settings.extensions]
         local = settings.extensions.get(student) or max(of_groups, default=settings.deadline)
         return local and local.replace(tzinfo=self.zone)
+
+    def unknown_extensions(self, week: str, students: Collection[str]) -> list[str]:
+        """Return the names in a week's extensions that are neither groups nor among the students.
+
+        Args:
+            week: A valid week.
+            students: IDs in normalised spelling.
+        """
+        known = {*self.groups, *(one for ids in self.groups.values() for one in ids), *students}
+        return [name for name in self.weeks[week].extensions if name not in known]
 
     def closing_time(self, week: str) -> datetime:
         """Return when the last student's submission of a week stops getting points.

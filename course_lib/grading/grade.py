@@ -26,6 +26,7 @@ from pathlib import Path
 from types import FrameType
 
 import course_lib
+from course_lib.course.course_file import CourseFile
 from course_lib.course.exercise import exercise_from, notebook_text, read_notebook
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
@@ -316,13 +317,27 @@ def _find(submissions: Path, course: store.Course) -> list[Submission]:
     all_submissions = find_submissions(
         submissions, settings.counts, settings.zone, with_refused=True, is_accepted=is_accepted
     )
-    for line in (*skipped_files(submissions), *unfinished_lines(submissions)):
+    resolved = resolve_ids(all_submissions, submissions)
+    for line in (
+        *skipped_files(submissions),
+        *unfinished_lines(submissions),
+        *_extension_lines(resolved, settings),
+    ):
         say(line)
     # Paths in results are relative to the folder of submissions, so that both can be moved.
-    return [
-        replace(one, path=one.path.relative_to(submissions))
-        for one in resolve_ids(all_submissions, submissions)
-    ]
+    return [replace(one, path=one.path.relative_to(submissions)) for one in resolved]
+
+
+def _extension_lines(submissions: Iterable[Submission], settings: CourseFile) -> Iterator[str]:
+    """Yield a note for each week with extensions for unknown names, such as a misspelled group."""
+    weeks = {one.exercise.split("_")[0] for one in submissions} & settings.weeks.keys()
+    students = {one.student for one in submissions}
+    for week in sorted(weeks):
+        if unknown := settings.unknown_extensions(week, students):
+            yield (
+                f"note: the extensions of {week} in course.toml name {join_few(unknown)}: there is no such "
+                "group, and no such student has submitted anything."
+            )
 
 
 def _find_pending(

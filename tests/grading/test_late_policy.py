@@ -83,6 +83,19 @@ def test_group_extension_applies_to_its_members(course: Course) -> None:
     assert {student: day and day.day for student, day in days.items()} == {"ada": 12, "bob": 14, "eve": 11}
 
 
+def test_grading_reports_extensions_of_unknown_groups_and_students(
+    course: Course, write_notebook: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    settings(course, "", GROUPS + "teem_a = 2026-10-13T23:59:00\neve = 2026-10-13T23:59:00\n")
+    write_notebook(tmp_path / "in/eve/week01_exercise.ipynb", "x = 1", student="eve")
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    lines = [line for line in capsys.readouterr().out.splitlines() if "extensions" in line]
+    assert lines == [
+        "note: the extensions of week01 in course.toml name teem_a: there is no such group, and no such "
+        "student has submitted anything."
+    ]
+
+
 def test_group_with_the_name_of_a_member_is_rejected(course: Course) -> None:
     with pytest.raises(CourseError, match="groups: ada is both the name of a group and the ID of a student"):
         read_course_file(settings(course, "", '[groups]\nada = ["ada", "bob"]\n'))
