@@ -370,8 +370,10 @@ def collect(
 ) -> None:
     """Sort the download of a learning platform into submissions; unsafe files are rejected individually."""
     from course_lib.course.course_file import find_zone, shipped_course_file
+    from course_lib.course.state import reject_other_course
     from course_lib.grading.submissions.collect import collect as sort
 
+    reject_other_course()
     course = shipped_course_file()
     zone = find_zone(time_zone) if time_zone else course.zone
     collection = sort(source, out, zone, roster, id_column, times or (), exercise=exercise, layout=layout)

@@ -274,12 +274,10 @@ def exercises_dir() -> Path:
     return material_root() / "exercises"
 
 
-def checkout_root() -> Path:
-    """Return the instructors' checkout, the only place with solutions and hidden checks.
+def reject_other_course() -> None:
+    """Raise a CourseError if the current folder belongs to a course that is not installed.
 
-    Raises:
-        CourseError: The installation is a student's copy or a wheel, or the current folder belongs
-            to a course that is not installed.
+    Its settings would be ignored, such as the time zone of a collection.
     """
     root = course_package().parent
     for folder in (Path.cwd(), *Path.cwd().parents):
@@ -292,6 +290,17 @@ def checkout_root() -> Path:
                 f"{folder} is a course that is not installed; the installed one is {root}. Run "
                 "here: pip install -e . Or change to that folder."
             )
+
+
+def checkout_root() -> Path:
+    """Return the instructors' checkout, the only place with solutions and hidden checks.
+
+    Raises:
+        CourseError: The installation is a student's copy or a wheel, or the current folder belongs
+            to a course that is not installed.
+    """
+    root = course_package().parent
+    reject_other_course()
     if (root / "solutions").is_dir() and (root / "pyproject.toml").is_file():
         return root
     raise CourseError(

@@ -17,15 +17,27 @@ Participant 103,Cleo,C3,
 """
 
 
+def test_collecting_in_a_course_that_is_not_installed_is_rejected(
+    in_process: Callable[..., Typed], tmp_path: Path
+) -> None:
+    (tmp_path / "solutions").mkdir()
+    (tmp_path / "exercises").mkdir()
+    (tmp_path / "exercises" / "course.toml").write_text('time_zone = "Asia/Amman"')
+    collected = in_process("collect", "moodle.zip", "--out", "in", cwd=tmp_path)
+    assert collected.returncode == 2
+    assert f"{tmp_path} is a course that is not installed" in collected.stderr
+
+
 def test_collect_grade_and_export_commands_convert_a_zip_to_a_csv(
     in_process: Callable[..., Typed], tmp_path: Path
 ) -> None:
     (tmp_path / "roster.csv").write_text(ROSTER)
-    empty = json.dumps({"nbformat": 4, "cells": [], "metadata": {}})
+    cells = [{"cell_type": "code", "source": "x = 1"}]
+    started = json.dumps({"nbformat": 4, "cells": cells, "metadata": {}})
     with zipfile.ZipFile(tmp_path / "moodle.zip", "w") as archive:
-        archive.writestr(FOLDER.format("Ada", 101), empty)
+        archive.writestr(FOLDER.format("Ada", 101), started)
         archive.writestr(FOLDER.format("Bob", 102), "<html>")
-        archive.writestr("../evil.ipynb", empty)
+        archive.writestr("../evil.ipynb", started)
     collected = in_process("collect", "moodle.zip", "--out", "in", "--roster", "roster.csv", cwd=tmp_path)
     assert collected.returncode == 1
     assert "refused: ../evil.ipynb: its path leads elsewhere" in collected.stdout
