@@ -67,9 +67,28 @@ def resolve(uri: str, near: Path | None = None) -> Path:
     # Unlike Path.is_file, this function returns False for a name that is too long for a file.
     existing = next((path for path in candidates if os.path.isfile(path)), None)
     if existing is None:
-        where = f": {_package_location(parts.netloc, near)}" if parts.scheme == "package" else "."
+        where = "."
+        if parts.scheme == "package":
+            found = next(filter(None, map(_find_ignoring_case, candidates)), None)
+            where = (
+                f": the file is {found}, and capitals matter."
+                if found
+                else f": {_package_location(parts.netloc, near)}"
+            )
         raise CourseError(f"The file {uri} does not exist. Correct the address{where}")
     return existing
+
+
+def _find_ignoring_case(path: Path) -> Path | None:
+    """Return the file whose path differs only in capitals, which Windows and macOS ignore."""
+    found = next((folder for folder in path.parents if os.path.isdir(folder)), Path("/"))
+    for part in path.relative_to(found).parts:
+        names = os.listdir(found) if os.path.isdir(found) else []
+        name = next((name for name in names if name.casefold() == part.casefold()), None)
+        if name is None:
+            return None
+        found /= name
+    return found if os.path.isfile(found) else None
 
 
 # The folders of packages within `cache_package_searches`: package, file near it, whether `file` is allowed.

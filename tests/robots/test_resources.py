@@ -39,6 +39,15 @@ def test_missing_file_is_reported(uri: str) -> None:
         resolve(uri)
 
 
+@pytest.mark.parametrize("inside", ["Meshes/an arm.stl", "meshes/An Arm.STL"])
+def test_missing_file_is_reported_with_the_file_that_differs_in_capitals(mesh: Path, inside: str) -> None:
+    if (mesh.parents[1] / inside).exists():
+        pytest.skip("this file system ignores capitals")
+    with pytest.raises(CourseError) as caught:
+        resolve(f"package://my_robot/{inside}", mesh.parents[1] / "urdf" / "my_robot.urdf")
+    assert str(caught.value).endswith(f"the file is {mesh}, and capitals matter.")
+
+
 @pytest.mark.parametrize("uri", ["meshes/leg.stl", "https://example.org/leg.stl", ""])
 def test_invalid_file_address_is_rejected(uri: str) -> None:
     with pytest.raises(CourseError, match="write package://PACKAGE/PATH or file:///PATH"):
