@@ -245,6 +245,13 @@ def test_missing_environment_variable_gets_the_commands_that_set_it(
     assert "is not set. Set it before: export TURTLEBOT3_MODEL=VALUE in" in hint(caught.value)
 
 
+def test_program_that_reads_keys_without_a_terminal_gets_a_hint() -> None:
+    termios = pytest.importorskip("termios")
+    with open(os.devnull, encoding="utf-8") as file, pytest.raises(termios.error) as caught:
+        termios.tcgetattr(file)
+    assert hint(caught.value).startswith("the program reads single keys, which only a terminal has")
+
+
 @pytest.mark.parametrize(
     ("module", "name"),
     [("cv2", "opencv-python-headless"), ("serial", "pyserial"), ("ntplib", "ntplib"), ("lxml", "lxml")],
