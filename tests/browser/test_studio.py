@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from course_lib.viewer.drawables import Camera, Lines, Solids, Text
+from course_lib.viewer.drawables import Camera, Lines, Sheet, Solids, Text
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.widget import SceneWidget
 from tests.browser.fake_host import Host, Pixels, count
@@ -186,3 +186,17 @@ def test_sides_of_a_cube_are_shaded_by_sun_and_sky(host: Host, scene: Scene) -> 
     red = pixels[(pixels[..., 0] > 3 * pixels[..., 1]) & (pixels[..., 0] > 60), 0]
     assert len(red) > 2000
     assert np.ptp(np.percentile(red, [10, 90])) > 25
+
+
+@pytest.mark.slow
+def test_opaque_map_keeps_its_colors_and_lies_below_the_shadow(host: Host, scene: Scene) -> None:
+    colors = np.tile([0.0, 0.5, 0.0, 1.0], (256, 1))
+    scene.set_object("map", Sheet(np.zeros((4, 4), np.uint8), colors, 1.0))
+    transform = np.eye(4)
+    transform[:2, 3] = -2.0
+    scene.set_transform("map", transform)
+    scene.look = "Studio"
+    wait_until(lambda: count(at_rest(host), (0, 128, 0), 5) > 10_000, host.page)
+    pixels = at_rest(host)
+    shaded = (np.ptp(pixels, axis=2) > 25) & (abs(pixels[..., 1] - 86) < 20) & (pixels[..., 0] < 60)
+    assert shaded.sum() > 1000

@@ -30,7 +30,7 @@ export const backgroundOf = ({ background, style }) =>
 
 /** @type {{engine: any, target: any, mirror: any, version: number, middle: any, radius: number, low: number} | null} */
 let map = null;
-/** @type {any} */
+/** @type {any} the light of the ground, which everything covers, and the shadow, which also falls on maps */
 let floor = null;
 const paintDepth = new THREE.MeshDepthMaterial({ depthPacking: THREE.RGBADepthPacking, side: THREE.DoubleSide });
 
@@ -92,24 +92,36 @@ export function onGround(mirror, camera, render) {
   if (!studio.isStudio.value) return render();
   studio.sun.value.copy(SUN).transformDirection(camera.matrixWorldInverse);
   studio.sky.value.set(0, 0, 1).transformDirection(camera.matrixWorldInverse);
-  floor ??= new THREE.Mesh(new THREE.PlaneGeometry(1, 1), floorMaterial());
-  floor.renderOrder = -2; // before all other transparent objects
+  floor ??= createFloor();
   const isLight = backgroundOf(mirror) === GROUND;
-  floor.material.uniforms.pool.value = isLight ? 0.85 : 0;
+  floor.children[0].visible = isLight;
   const reach = map?.mirror === mirror && map.radius ? map.radius : 1;
   floor.scale.setScalar(12 * Math.max(reach, 0.5));
   if (map?.mirror === mirror && map.radius) floor.position.set(map.middle.x, map.middle.y, map.low);
   studio.middle.value.set(floor.position.x, floor.position.y);
   studio.reach.value = Math.max(FADED, 6 * reach);
-  floor.raycast = () => {};
   mirror.scene.add(floor);
   render();
   mirror.scene.remove(floor);
 }
 
-const floorMaterial = () =>
+function createFloor() {
+  const layers = [floorMaterial("LIGHT"), floorMaterial("SHADE")].map((paint) => {
+    const layer = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), paint);
+    layer.renderOrder = -2; // before all other objects of its kind
+    layer.raycast = () => {};
+    return layer;
+  });
+  // The light is drawn with the opaque objects: it comes first.
+  Object.assign(layers[0].material, { transparent: false, blending: THREE.CustomBlending, blendSrcAlpha: THREE.OneFactor });
+  return new THREE.Group().add(...layers);
+}
+
+/** @param {"LIGHT" | "SHADE"} layer */
+const floorMaterial = (layer) =>
   new THREE.ShaderMaterial({
-    uniforms: { ...studio, pool: { value: 0 } },
+    uniforms: studio,
+    defines: { [layer]: "" },
     transparent: true,
     depthWrite: false,
     vertexShader: `
@@ -124,13 +136,12 @@ const floorMaterial = () =>
       }`,
     fragmentShader: `
       varying vec2 vUv;
-      uniform float pool;
       ${SHADOW}
       void main() {
-        float fade = 1.0 - smoothstep(0.1, 1.0, length(vUv)), dark = 0.42 * (1.0 - sunlight());
-        float light = pool * fade;
-        // White below, the shadow above.
-        float alpha = dark + light * (1.0 - dark);
-        gl_FragColor = vec4((vec3(0.13, 0.16, 0.22) * dark + light * (1.0 - dark)) / max(alpha, 1e-4), alpha);
+        #ifdef LIGHT
+          gl_FragColor = vec4(1.0, 1.0, 1.0, 0.85 * (1.0 - smoothstep(0.1, 1.0, length(vUv))));
+        #else
+          gl_FragColor = vec4(0.13, 0.16, 0.22, 0.42 * (1.0 - sunlight()));
+        #endif
       }`,
   });
