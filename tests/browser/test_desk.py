@@ -53,6 +53,15 @@ def test_property_editors_match_the_property_types(bench: Bench) -> None:
 
 
 @pytest.mark.slow
+def test_rows_with_and_without_values_have_equal_heights(bench: Bench) -> None:
+    bench.open("Grid")
+    rows = bench.page.get_by_role("treegrid", name="Displays").get_by_role("row").all()
+    boxes = [row.bounding_box() for row in rows]
+    assert len(boxes) > 10
+    assert {box and box["height"] for box in boxes} == {22}
+
+
+@pytest.mark.slow
 def test_fixed_frame_is_edited_with_suggestions(bench: Bench) -> None:
     bench.open()
     field = bench.page.get_by_role("combobox", name="Fixed Frame")
