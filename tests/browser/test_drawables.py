@@ -59,6 +59,23 @@ def test_transparent_sheet_is_blended_and_occludes_objects_below_unless_drawn_be
 
 
 @pytest.mark.slow
+def test_map_larger_than_a_texture_is_drawn_completely(host: Host) -> None:
+    scene = from_above()
+    cells = np.zeros((3, 20_000), np.uint8)
+    cells[:, 15_000:] = 1
+    cells[2, :5000] = 2
+    colors = np.ones((256, 4))
+    colors[:3, :3] = np.eye(3)
+    scene.set_object("map", Sheet(cells, colors, 1e-4))
+    scene.set_transform("map", np.diag([1.0, 5000.0, 1.0, 1.0]))
+    show_scene(host, scene)
+    red, green, blue = (count(host.pixels(), color) for color in (RED, GREEN, BLUE))
+    assert green > 1000
+    assert green / red == pytest.approx(15 / 40, rel=0.1)
+    assert blue / red == pytest.approx(5 / 40, rel=0.2)
+
+
+@pytest.mark.slow
 def test_invalid_scene_change_is_reported_and_other_changes_are_drawn(host: Host) -> None:
     scene = from_above()
     widget = show_scene(host, scene)
