@@ -366,7 +366,7 @@ def test_empty_arrays_are_reported(evidence: MakeEvidence) -> None:
         ("Person(0.95)", ": the spaces differ"),
         ("person (0.95)", ": upper and lower case differ"),
         ("Person (0.950)", ": the digits of the number differ"),
-        ("Person 0.95", ": the signs around the words differ"),
+        ("Person 0.95", ": the punctuation around the words differs"),
         ("{label} (0.95)", ": write f before the quotes of the string"),
         ("Car (0.95)", ""),
     ],

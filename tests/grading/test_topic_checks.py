@@ -50,7 +50,7 @@ def test_topic_with_the_expected_type_passes(evidence: MakeEvidence) -> None:
         ((1, 1, 2, 3), "as expected"),
         (
             (1, 1, 2, 2, 3, 3),
-            "2 messages for the same thing are published on /tick at 3.00 s, expected one",
+            "2 messages with the same names and ids are published on /tick at 3.00 s, expected one",
         ),
         ((0.5, 1, 1.5, 2, 2.5, 3), "/tick is too fast: 2.00 Hz, expected 1.00 Hz"),
         ((0, 2), "/tick is too slow: 0.50 Hz, expected 1.00 Hz"),

@@ -734,7 +734,7 @@ def _compare_text(marker: Any, expected: str, _: float) -> Iterator[str]:
             "the spaces differ": lambda one: "".join(one.split()),
             "upper and lower case differ": str.casefold,
             "the digits of the number differ": lambda one: NUMBER.sub("0", one),
-            "the signs around the words differ": lambda one: " ".join(re.findall(r"[\w.]+", one)),
+            "the punctuation around the words differs": lambda one: " ".join(re.findall(r"[\w.]+", one)),
         }
         causes = [cause for cause, view in views.items() if view(text) == view(expected)]
         if "{" in text:

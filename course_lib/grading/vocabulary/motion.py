@@ -300,7 +300,7 @@ def expect_circling_frame(
     if len(poses) > 1 and not any(pose.stamp_ns for _, pose in poses):
         # Such a frame can be looked up at the latest time only, but displays request the stamps of
         # messages.
-        message = f"every transform of {frame!r} has the stamp 0: tf2 knows it at no other time"
+        message = f"every transform of {frame!r} has the stamp 0: tf2 has no data at any other time"
         return [Problem(message, "a transform has wrong stamps")]
     if not poses:
         others = [pose for _, pose in _iter_transforms(evidence, "/tf")]

@@ -192,7 +192,7 @@ def _repetition_problems(received: list[tuple[float, Any]], topic: str) -> list[
     if 2 * len(repeated) <= len(by_time):
         return []
     last = max(repeated)
-    text = f"{counts[last]} messages for the same thing are published on {topic} at "
+    text = f"{counts[last]} messages with the same names and ids are published on {topic} at "
     text += f"{format_number(last, 's')}, expected one"
     return [Problem(text, "messages repeat at one time")]
 

@@ -96,7 +96,7 @@ def _compare_parts(
             yield Problem(problem.message, kind)
 
 
-@check_function("{name} says it")
+@check_function("{name} contains the answer")
 def expect_text(
     evidence: Evidence, *any_of: str, name: str = "your answer", but_not: Sequence[str] = ()
 ) -> Iterable[Problem]:
@@ -327,7 +327,7 @@ def _check_parameter(
 ) -> Iterable[Problem]:
     if key not in parameters:
         own = f"only {join_words(list(parameters))}" if parameters else f"whose nodes are {join_words(nodes)}"
-        message = f"{node} gets no {key} from the file, {own}"
+        message = f"there is no {key} for {node} in the file, {own}"
         return [Problem(message, "a parameter is missing in the file")]
     value = parameters[key]
     if type(value) is not type(expected):
