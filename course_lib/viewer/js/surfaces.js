@@ -4,6 +4,7 @@ import { castsShadow } from "./studio.js";
 import { makeCoarse } from "./coarse.js";
 
 export const MOST_VERTICES = 200_000; // limit for all instances of an object together; beyond it they are drawn as instances to save memory
+const TILE = 4096; // [px] side of a texture that every graphics card supports
 
 /** @type {Record<string, () => any>} */
 const UNIT_SHAPES = {
@@ -100,8 +101,26 @@ function instanceSolids(solids, geometry) {
   return castsShadow(mesh);
 }
 
-/** @param {any} sheet drawn with sharp cells, as three.js draws a DataTexture */
-export function buildSheet({ cells, colors, rows, columns, width: cell, behind }) {
+/** @param {any} sheet drawn with sharp cells, in tiles if it is larger than the textures of some graphics cards */
+export function buildSheet(sheet) {
+  const { cells, rows, columns } = sheet;
+  const group = new THREE.Group();
+  for (let top = 0; top < rows; top += TILE) {
+    for (let left = 0; left < columns; left += TILE) {
+      const [high, wide] = [Math.min(TILE, rows - top), Math.min(TILE, columns - left)];
+      const part = new Uint8Array(high * wide);
+      for (let row = 0; row < high; row++) {
+        const start = (top + row) * columns + left;
+        part.set(cells.subarray(start, start + wide), row * wide);
+      }
+      group.add(buildTile({ ...sheet, cells: part, rows: high, columns: wide }, left, top));
+    }
+  }
+  return group.children.length === 1 ? group.children[0] : group;
+}
+
+/** @param {any} sheet @param {number} left column of its first cell @param {number} top row of its first cell */
+function buildTile({ cells, colors, rows, columns, width: cell, behind }, left, top) {
   const [width, height] = [columns * cell, rows * cell];
   const see = isTransparent(colors);
   const pixels = new Uint8Array(4 * cells.length);
@@ -114,7 +133,8 @@ export function buildSheet({ cells, colors, rows, columns, width: cell, behind }
   if (behind) paint.blending = THREE.CustomBlending; // drawn with the opaque objects, because it comes first
   paint.blendSrcAlpha = THREE.OneFactor; // as in three.js's own blending, so that the view stays opaque
   Object.assign(paint, { polygonOffset: true, polygonOffsetUnits: 16 }); // farther away, like RViz's maps
-  const mesh = new THREE.Mesh(new THREE.PlaneGeometry(width, height).translate(width / 2, height / 2, 0), paint);
+  const geometry = new THREE.PlaneGeometry(width, height).translate(left * cell + width / 2, top * cell + height / 2, 0);
+  const mesh = new THREE.Mesh(geometry, paint);
   mesh.renderOrder = behind ? -1 : 0;
   return mesh;
 }
