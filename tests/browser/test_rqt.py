@@ -5,8 +5,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import Locator, Page, expect
 
+from course_lib.tools.rqt.view import STYLE, table
 from tests.browser.axe import faults
 from tests.browser.jupyterlab import Lab, Notebook, opened
 from tests.browser.waiting import at_rest, wait_until
@@ -136,3 +137,16 @@ def test_rqt_service_caller_shows_the_response_and_closes(notebook: Notebook) ->
     cell.get_by_text("Service Caller").wait_for()
     assert notebook.errors() == []
     wait_until(lambda: int(notebook.kernel("print(len(heard))")) > 10, notebook.page)
+
+
+def test_short_console_message_is_on_one_line_next_to_a_view(one_page: Page) -> None:
+    one_page.set_viewport_size({"width": 640, "height": 200})  # [px]
+    row = ("2", "30 images per second", "Info", "robot.camera_driver", "1700000128.348246398")
+    heads = ("#", "Message", "Severity", "Node", "Stamp", "Location")
+    messages = table(heads, [(*row, "unknown_robot.py:start:115")], "Log messages")
+    one_page.set_content(f"{STYLE}<div class='rqt'>{messages}</div>")
+    count_lines = """cell => {
+        const range = document.createRange();
+        range.selectNodeContents(cell);
+        return range.getClientRects().length; }"""
+    assert one_page.locator("td").nth(1).evaluate(count_lines) == 1
