@@ -121,10 +121,14 @@
     return [line];
   }
 
-  /** Hide the broken links that ipywidgets draws at each control of a kernel that has ended: a line says it once. */
-  function hideBrokenLinks() {
+  /**
+   * Hide the broken links that ipywidgets draws at each control of a kernel that has ended: a line says it once. In
+   * narrow windows, break long code in tables, which would push the other columns out of sight.
+   */
+  function addStyles() {
     const style = document.createElement("style");
-    style.textContent = ".jp-Cell:has(.course-saved) .jupyter-widgets-disconnected::before { content: none; }";
+    style.textContent = `.jp-Cell:has(.course-saved) .jupyter-widgets-disconnected::before { content: none; }
+      @media (max-width: 900px) { .jp-RenderedMarkdown td code { overflow-wrap: anywhere; } }`;
     document.head.append(style);
   }
 
@@ -364,7 +368,7 @@
       autoStart: true,
       requires: [IRenderMimeRegistry, INotebookTracker, base.IJupyterWidgetRegistry],
       activate: (app, rendermime, tracker) => {
-        hideBrokenLinks();
+        addStyles();
         const showEnded = showSavedWithoutWidget(app, rendermime, tracker);
         showSavedIfUntrusted(app, rendermime, tracker);
         arrangePanels(app, tracker);
