@@ -281,6 +281,16 @@ def test_nested_archive_exceeding_the_size_limit_is_not_unpacked_further(
     assert f"zoe/{NAME}" in collected_files(tmp_path / "out")
 
 
+def test_folders_without_files_are_listed(tmp_path: Path) -> None:
+    for folder in ("ada", "bob/.ipynb_checkpoints", "cleo/work", "eve"):
+        (tmp_path / "in" / folder).mkdir(parents=True)
+    (tmp_path / "in/ada" / NAME).write_bytes(notebook())
+    (tmp_path / "in/bob/.ipynb_checkpoints" / NAME).write_bytes(notebook())
+    (tmp_path / "in/eve" / NAME).symlink_to("../ada")
+    collection = collect(tmp_path / "in", tmp_path / "out", AMMAN)
+    assert "note: folders without files: bob, cleo" in collection.notes
+
+
 def test_symlinks_and_pipes_in_a_folder_are_rejected(tmp_path: Path) -> None:
     (tmp_path / "secret").mkdir()
     (tmp_path / "secret" / NAME).write_bytes(notebook())

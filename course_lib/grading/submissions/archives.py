@@ -276,6 +276,16 @@ def list_paths(top: Path) -> list[tuple[str, ...]]:
     return sorted(path for path in paths if not any(map(_is_junk, path)) and not path_problem(path))
 
 
+def empty_folders(top: Path) -> list[str]:
+    """Return the names of the folders in `top` without files, except files that programs add."""
+    empty = []
+    for folder in sorted(path for path in top.iterdir() if path.is_dir() and not path.is_symlink()):
+        files = (path for path in folder.rglob("*") if path.is_symlink() or not path.is_dir())
+        if all(any(map(_is_junk, path.relative_to(top).parts)) for path in files):
+            empty.append(folder.name)
+    return [name for name in empty if not _is_junk(name)]
+
+
 def _limit(parts: tuple[str, ...]) -> int:
     """Return the maximum number of bytes to read; for a notebook it includes outputs."""
     return MAX_WITH_OUTPUTS if is_notebook_name(parts[-1]) else MAX_BYTES

@@ -19,9 +19,14 @@ from zoneinfo import ZoneInfo
 
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
-from course_lib.grading.reports.table import escape_formula, printable
+from course_lib.grading.reports.table import escape_formula, join_few, printable
 from course_lib.grading.submissions import readers
-from course_lib.grading.submissions.archives import ReceivedFile, ReceivedFileReader, list_paths
+from course_lib.grading.submissions.archives import (
+    ReceivedFile,
+    ReceivedFileReader,
+    empty_folders,
+    list_paths,
+)
 from course_lib.grading.submissions.choice import (
     Choice,
     DownloadedFile,
@@ -208,6 +213,8 @@ def collect(
     items, refused = _inspect_all(download, collection)
     if not items and not collection.skipped:
         raise CourseError(f"{source} contains no files. Pass the platform's download.")
+    if source.is_dir() and (empty := empty_folders(source)):
+        collection.notes.add(f"note: folders without files: {join_few(empty)}")
     names = [*(item.download_name for item in items), *(file.download_name for file in refused)]
     _reject_collisions(names, exports)
     choice = choose(items, refused, download.layout, exercise)
