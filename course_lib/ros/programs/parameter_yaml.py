@@ -32,6 +32,8 @@ def read_file(path: str) -> list[tuple[str, dict[str, Any]]]:
         return read_text(third_party.read_text(Path(path)))
     except OSError as error:
         raise ValueError(f"Error opening YAML file: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise ValueError(f"Error parsing a event: {third_party.NOT_UTF8}") from error
 
 
 def read_text(text: str) -> list[tuple[str, dict[str, Any]]]:

@@ -131,12 +131,18 @@ def test_list_around_a_map_is_ignored_as_in_rcl(tmp_path: Path, text: str, found
         ),
         ("/**:\n  ros__parameters:\n    x:\n", "No value at line 3"),
         ("a: [\n", "Error parsing a event near line 2"),
+        (
+            "# \xe9".encode("latin-1"),
+            "Error parsing a event: it is not text in UTF-8: save it in this encoding",
+        ),
         ("a: &x {}\nb: *x\n", "Will not support aliasing at line 2"),
     ],
 )
-def test_invalid_parameter_file_is_rejected_with_its_line(tmp_path: Path, text: str, complaint: str) -> None:
+def test_invalid_parameter_file_is_rejected_with_its_line(
+    tmp_path: Path, text: str | bytes, complaint: str
+) -> None:
     file = tmp_path / "params.yaml"
-    file.write_text(text)
+    file.write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(RCLInvalidROSArgsError) as caught:
         parse(["--ros-args", "--params-file", str(file)])
     start = f"Failed to parse ROS arguments: Couldn't parse params file: '--params-file {file}'. Error: "
