@@ -721,7 +721,7 @@ def _decode_depth_png(message: Any) -> AnyArray:
     try:
         with Image.open(BytesIO(data[_HEADER if "compressedDepth" in message.format else 0 :])) as picture:
             values = np.asarray(picture)
-    except (UnidentifiedImageError, OSError) as error:
+    except (UnidentifiedImageError, OSError, Image.DecompressionBombError) as error:
         raise DepthError(f"the data is not an image of format {message.format!r}: {error}") from error
     if not is_inverse:
         return values

@@ -455,6 +455,8 @@ class MarkerStore:
         queue, self._queue = self._queue, []
         for marker, received_ns in queue:
             self._process(marker, received_ns)
+        many = [_MANY_MARKERS_HINT.format(len(self.live))] if len(self.live) > _MANY_MARKERS else []
+        self._statuses.hint("Markers", *many)
         for key, live in list(self.live.items()):
             if live.expires_ns <= self._context.now_ns:
                 self._delete(key)
@@ -604,6 +606,12 @@ class MarkerStore:
             self._context.scene.delete(live.path)
 
 
+# A number of markers that takes about 1 s to create and to send.
+_MANY_MARKERS = 5_000
+_MANY_MARKERS_HINT = (
+    "{:,} markers make this view and RViz2 slow, because each is an object of its own. Publish one marker "
+    "of type CUBE_LIST, SPHERE_LIST or LINE_LIST with many points."
+)
 _REPEATED = (
     "two markers with this ns and id arrived together: only the last is visible. Give each its own id."
 )

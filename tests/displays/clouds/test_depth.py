@@ -60,6 +60,12 @@ def test_images_without_depths_are_rejected(wrong: Any) -> None:
         depths(wrong)
 
 
+def test_compressed_depths_that_are_too_large_are_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Picture, "MAX_IMAGE_PIXELS", 2)
+    with pytest.raises(DepthError, match="exceeds limit of 4 pixels"):
+        depths(packed(MILLIMETRES, "16UC1; png compressed"))
+
+
 def test_depth_points_project_to_their_pixels() -> None:
     points = project_depths(METRES, info())
     np.testing.assert_allclose(points[0, 0], [(0 - 1) / 2 * 1.0, (0 - 0.5) / 4 * 1.0, 1.0])
