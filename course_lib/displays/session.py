@@ -455,7 +455,7 @@ class RvizSession:
     def deliver_latched(self, subscriptions: Iterable[Subscription]) -> None:
         """Deliver latched messages to transient-local subscriptions, and add a hint for others."""
         samples = list(self.latched())
-        late_joining = [s for s in subscriptions if s.qos.durability == "transient_local"]
+        late_joining = [s for s in subscriptions if s.qos.is_latched]
         for sample in samples:
             self._deliver(sample, late_joining)
         for missing in (s for s in subscriptions if s not in late_joining):

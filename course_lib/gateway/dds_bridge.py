@@ -50,9 +50,8 @@ class RobotTopic:
 
     def is_needed(self) -> bool:
         """Return whether the robot should send the topic now."""
-        is_latched = self.qos.durability == "transient_local"
         return bool(self.publishers) and (
-            is_latched or any(one.is_matched() for one in tuple(self.publishers.values()))
+            self.qos.is_latched or any(one.is_matched() for one in tuple(self.publishers.values()))
         )
 
     def on_packet(self, packet: Packet) -> None:

@@ -712,7 +712,7 @@ class _SimTime:
         time_ns = read_tick(sample)
         self._now_ns = self._now_ns if time_ns is None else time_ns
         if self._now_ns is None:
-            self._latched += [sample] if sample.qos.durability == "transient_local" else []
+            self._latched += [sample] if sample.qos.is_latched else []
             return []
         ready, self._latched = [*self._latched, sample], []
         return [replace(one, stamp_ns=self._now_ns) for one in ready]

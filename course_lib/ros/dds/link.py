@@ -5,9 +5,7 @@ The thread that receives, which may be the graph's, only queues actions and fill
 """
 
 import contextlib
-import itertools
 import re
-from _queue import SimpleQueue
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -17,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from course_lib.errors import CourseError
-from course_lib.ros.dds.endpoints import OnSample, Reader, ReceivedSample, Writer
+from course_lib.ros.dds.endpoints import OnSample, ReceivedSample
 from course_lib.ros.dds.participant import Participant
 from course_lib.ros.dds.wire import (
     PARTICIPANT_ENTITY,
@@ -27,12 +25,11 @@ from course_lib.ros.dds.wire import (
     kind_of,
     related_request,
 )
-from course_lib.ros.graph.topics import Qos, dds_type, ros_type
+from course_lib.ros.graph.topics import Qos, dds_type, ros_type, service_topics
 from course_lib.ros.messages import deserialize, message_class, serialize
 from course_lib.ros.messages.definitions import is_known, type_hash
 from course_lib.ros.robot.link import (
     Action,
-    Actions,
     Declaration,
     Entity,
     EntityKind,
@@ -60,12 +57,11 @@ SERVICE_QOS = Qos()
 INCOMPLETE_MESSAGES = 5
 # Time after which a robot that has not answered is reported [s].
 SILENT_SECONDS = 3.0
-DISCOVERY_TOPIC = "ros_discovery_info"
-DISCOVERY_TYPE = "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_"
-DISCOVERY_QOS = Qos(depth=1, durability="transient_local")
 DISCOVERY_MESSAGE, NODE_INFO, GID = (
     f"rmw_dds_common/msg/{name}" for name in ("ParticipantEntitiesInfo", "NodeEntitiesInfo", "Gid")
 )
+# Topic, type and QoS of the messages that list a participant's nodes and their endpoints.
+DISCOVERY = ("ros_discovery_info", dds_type(DISCOVERY_MESSAGE), Qos(depth=1, durability="transient_local"))
 # The GUIDs of the endpoints of each node, which has a namespace and a name.
 NodeEndpoints = dict[tuple[str, str], list[bytes]]
 TYPE_HASH = re.compile(rb"typehash=(RIHS01_[0-9a-f]{64});")
@@ -77,37 +73,21 @@ class DdsEntity(Entity):
 
     Args:
         node_key: GUID of the participant, and the node's namespace and name.
-        gid: GUID of the endpoint; for a node of the kit a number that only the kit uses.
+        gid: GUID of a remote endpoint.
     """
 
     node_key: tuple[bytes, str, str]
     gid: bytes = b""
 
-    @property
-    def key(self) -> tuple[tuple[bytes, str, str], bytes]:
-        """The key that identifies the entity."""
-        return self.node_key, self.gid
 
-
-def dds_node(participant: bytes, namespace: str, name: str, gid: bytes = b"") -> DdsEntity:
+def dds_node(participant: bytes, namespace: str, name: str) -> DdsEntity:
     """Return a node of a participant, given by its GUID."""
-    key = (participant, namespace, name)
-    return DdsEntity(kind="node", node_key=key, namespace=namespace, node=name, gid=gid)
+    return DdsEntity(kind="node", node_key=(participant, namespace, name), namespace=namespace, node=name)
 
 
-def topic_names(topic: str, type_name: str) -> tuple[str, str]:
-    """Return the DDS names of a topic and its type."""
-    return f"rt{topic}", dds_type(type_name)
-
-
-def request_names(service: DdsEntity) -> tuple[str, str]:
-    """Return the DDS names of the topic of a service's requests and their type."""
-    return f"rq{service.topic}Request", dds_type(f"{service.type_name}_Request")
-
-
-def reply_names(service: DdsEntity) -> tuple[str, str]:
-    """Return the DDS names of the topic of a service's replies and their type."""
-    return f"rr{service.topic}Reply", dds_type(f"{service.type_name}_Response")
+def dds_names(topic: str, type_name: str) -> tuple[str, str]:
+    """Return the DDS names of a topic, or of one of a service's two topics, and of its type."""
+    return f"rt{topic}" if topic.startswith("/") else topic, dds_type(type_name)
 
 
 def user_data(type_hash: str) -> bytes:
@@ -151,28 +131,23 @@ def write_discovery(participant: bytes, nodes: NodeEndpoints) -> bytes:
     def gid(guid: bytes) -> Any:
         return gid_type(data=np.frombuffer(guid, np.uint8))
 
-    infos = [
-        node_type(
-            node_namespace=namespace,
-            node_name=name,
-            reader_gid_seq=[gid(guid) for guid in guids if kind_of(guid) == "reader"],
-            writer_gid_seq=[gid(guid) for guid in guids if kind_of(guid) == "writer"],
-        )
-        for (namespace, name), guids in nodes.items()
-    ]
-    return serialize(message_type(gid=gid(participant), node_entities_info_seq=infos))
+    message: Any = message_type(gid=gid(participant))
+    for (namespace, name), guids in nodes.items():
+        info: Any = node_type(node_namespace=namespace, node_name=name)
+        for guid in guids:
+            (info.reader_gid_seq if kind_of(guid) == "reader" else info.writer_gid_seq).append(gid(guid))
+        message.node_entities_info_seq.append(info)
+    return serialize(message)
 
 
 class DdsPublisher(NetworkPublisher):
     """A publisher of the kit on the network."""
 
     def __init__(self, link: "DdsLink", entity: DdsEntity) -> None:
-        self._participant, self.topic = link.participant, entity.topic
-        topic, type_name = topic_names(entity.topic, entity.type_name)
-        self._writer = link.add_writer(entity, topic, type_name, entity.qos)
-        endpoint = self._writer.endpoint
-        self._listing = Declaration(partial(link.set_owner, entity, endpoint.guid, is_owned=False))
-        super().__init__(self.hide, partial(self._participant.remove, endpoint))
+        self._participant, names = link.participant, dds_names(entity.topic, entity.type_name)
+        self._writer = self._participant.add_writer(*names, entity.qos, user_data(entity.type_hash))
+        listing = link.list_endpoint(entity, self._writer.endpoint.guid)
+        super().__init__(entity.topic, listing, partial(self._participant.remove, self._writer.endpoint))
 
     def put(self, cdr: bytes) -> None:
         """Publish a message; may be called from any thread."""
@@ -183,10 +158,6 @@ class DdsPublisher(NetworkPublisher):
         """Return whether a message would reach a subscription now."""
         return bool(self._writer.matched)
 
-    def hide(self) -> None:
-        """Leave the graph of the network, while messages can still be published."""
-        self._listing.withdraw()
-
 
 class ServiceEndpoints(Declaration):
     """The writer and the reader of a service client or server.
@@ -195,25 +166,20 @@ class ServiceEndpoints(Declaration):
     and replies wait until both sides have been matched.
     """
 
-    def __init__(
-        self, link: "DdsLink", entity: DdsEntity, writer: tuple[str, str], reader: tuple[str, str]
-    ) -> None:
-        self._participant, self._actions = link.participant, link.actions
+    def __init__(self, link: "DdsLink", entity: DdsEntity, on_sample: OnSample) -> None:
+        self._participant, self._enqueue = link.participant, link.enqueue
         # Messages that wait: the end of the wait [s], the test of the match, and the function that
         # sends the message.
         self._waiting: deque[tuple[float, Callable[[], bool], Callable[[], object]]] = deque(maxlen=MAX_OPEN)
-        with link.participant.lock:
-            self._writer = link.add_writer(entity, *writer, SERVICE_QOS)
-            self._reader = link.add_reader(entity, *reader, SERVICE_QOS, self._on_sample)
+        topics, data = service_topics(entity.topic, entity.type_name), user_data(entity.type_hash)
+        sent, received = topics if entity.kind == "client" else reversed(topics)
+        with self._participant.lock:
+            self._writer = self._participant.add_writer(*dds_names(*sent), SERVICE_QOS, data)
+            self._reader = self._participant.add_reader(*dds_names(*received), SERVICE_QOS, on_sample, data)
         self._writer.on_matched = self._reader.on_matched = self._send_waiting
-        removals: list[Callable[[], object]] = []
-        for endpoint in (self._reader.endpoint, self._writer.endpoint):
-            removals.append(partial(link.set_owner, entity, endpoint.guid, is_owned=False))
-            removals.append(partial(link.participant.remove, endpoint))
-        super().__init__(*removals)
-
-    def _on_sample(self, sample: ReceivedSample) -> None:
-        raise NotImplementedError
+        endpoints = (self._reader.endpoint, self._writer.endpoint)
+        listings = [link.list_endpoint(entity, endpoint.guid).withdraw for endpoint in endpoints]
+        super().__init__(*listings, *[partial(self._participant.remove, one) for one in endpoints])
 
     def _send_when(self, is_matched: Callable[[], bool], send: Callable[[], object]) -> None:
         with self._participant.lock:
@@ -221,13 +187,13 @@ class ServiceEndpoints(Declaration):
             self._send_waiting()
 
     def _send_waiting(self) -> None:
+        now = wall.monotonic()
         waiting, self._waiting = self._waiting, deque(maxlen=MAX_OPEN)
         for end, is_matched, send in waiting:
-            if wall.monotonic() < end:
-                if is_matched():
-                    send()
-                else:
-                    self._waiting.append((end, is_matched, send))
+            if now < end and is_matched():
+                send()
+            elif now < end:
+                self._waiting.append((end, is_matched, send))
 
 
 class DdsClient(ServiceEndpoints, NetworkClient):
@@ -235,16 +201,14 @@ class DdsClient(ServiceEndpoints, NetworkClient):
 
     def __init__(self, link: "DdsLink", entity: DdsEntity) -> None:
         self._open: dict[int, OnReply] = {}
-        super().__init__(link, entity, request_names(entity), reply_names(entity))
+        super().__init__(link, entity, self._on_reply)
 
     def is_matched(self) -> bool:
         """Return whether a request would reach a server now, and its reply this client."""
         with self._participant.lock:
             servers = {guid[:PREFIX_SIZE] for guid in self._writer.matched}
-            return any(
-                guid[:PREFIX_SIZE] in servers and writer.has_answered
-                for guid, writer in self._reader.matched.items()
-            )
+            writers = [writer for writer in self._reader.matched.values() if not writer.requests]
+            return any(writer.endpoint.guid[:PREFIX_SIZE] in servers for writer in writers)
 
     def call(self, cdr: bytes, on_reply: OnReply) -> None:
         """Send a request. `on_reply` is queued when its reply arrives."""
@@ -258,17 +222,14 @@ class DdsClient(ServiceEndpoints, NetworkClient):
 
         self._send_when(self.is_matched, send)
 
-    def _on_sample(self, sample: ReceivedSample) -> None:
+    def _on_reply(self, sample: ReceivedSample) -> None:
         """Queue a reply if it belongs to a request of this client.
 
         All clients of a service receive all replies.
         """
-        if sample.related is None:
-            return
-        own = (self._reader.endpoint.guid, self._writer.endpoint.guid)
-        if sample.related.guid in own and sample.related.sequence in self._open:
-            on_reply = self._open.pop(sample.related.sequence)
-            self._actions.put(partial(on_reply, sample.data))
+        request, own = sample.related, (self._reader.endpoint.guid, self._writer.endpoint.guid)
+        if request is not None and request.guid in own and request.sequence in self._open:
+            self._enqueue(self._open.pop(request.sequence), sample.data)
 
 
 class DdsServer(ServiceEndpoints):
@@ -276,23 +237,22 @@ class DdsServer(ServiceEndpoints):
 
     def __init__(self, link: "DdsLink", entity: DdsEntity, on_request: OnRequest) -> None:
         self._serve = on_request
-        super().__init__(link, entity, reply_names(entity), request_names(entity))
+        super().__init__(link, entity, self._on_request)
 
-    def _on_sample(self, sample: ReceivedSample) -> None:
+    def _on_request(self, sample: ReceivedSample) -> None:
         # Fast DDS sends the reader that waits for the reply; otherwise the writer identifies the
         # client.
         client = sample.related.guid if sample.related else sample.writer
-        is_reader = kind_of(client) == "reader"
         related = related_request(RequestId(client, sample.sequence))
 
         def is_matched() -> bool:
-            return not is_reader or client in self._writer.matched
+            return kind_of(client) == "writer" or client in self._writer.matched
 
         def send_reply(cdr: bytes) -> None:
             send = partial(self._participant.write, self._writer, cdr, related)
             self._send_when(is_matched, send)
 
-        self._actions.put(partial(self._serve, sample.data, send_reply))
+        self._enqueue(self._serve, sample.data, send_reply)
 
 
 class DdsLink(Link):
@@ -310,10 +270,8 @@ class DdsLink(Link):
     is_qos_enforced = True
 
     def __init__(self, host: str, domain: int = 0) -> None:
-        self.address, self.domain = f"dds/{host}", domain
-        self.actions: Actions = SimpleQueue()
+        super().__init__(f"dds/{host}", domain)
         self._started, self._is_silence_reported = wall.monotonic(), False
-        self._node_numbers = itertools.count(1)
         self._own_nodes: NodeEndpoints = {}
         # The newest GUID by topic and type.
         self._own_readers: dict[tuple[str, str], bytes] = {}
@@ -326,12 +284,11 @@ class DdsLink(Link):
         self._nodes: dict[bytes, dict[tuple[str, str], DdsEntity]] = {}
         # Remote endpoints that the graph contains.
         self._listed: dict[bytes, DdsEntity] = {}
-        self.participant = Participant(domain, host, partial(self._enqueue, self._on_endpoint))
+        self.participant = Participant(domain, host, partial(self.enqueue, self._on_endpoint))
         # The robot's address at the start.
         self._first_peer = self.participant.current_peer
-        topic, type_name, qos = DISCOVERY_TOPIC, DISCOVERY_TYPE, DISCOVERY_QOS
-        self._discovery = self.participant.add_writer(topic, type_name, qos)
-        self.participant.add_reader(topic, type_name, qos, partial(self._enqueue, self._on_discovery))
+        self._discovery = self.participant.add_writer(*DISCOVERY)
+        self.participant.add_reader(*DISCOVERY, partial(self.enqueue, self._on_discovery))
 
     @property
     def is_open(self) -> bool:
@@ -340,7 +297,7 @@ class DdsLink(Link):
 
     def is_up(self) -> bool:
         """Return whether a participant of the robot is present now."""
-        return self.is_open and self.participant.has_peers()
+        return self.is_open and bool(self.participant.remotes)
 
     def silent_seconds(self) -> float:
         """Return how long no participant of the robot has answered [s]; 0 if none is present."""
@@ -381,39 +338,23 @@ class DdsLink(Link):
         host = self.participant.current_peer
         if host != self._first_peer:
             yield f"moved {host}", moved_message(self.address, host)
-        for topic, count, size in self.participant.incomplete_topics():
-            if count >= INCOMPLETE_MESSAGES:
-                yield f"incomplete {topic}", incomplete_message(topic.removeprefix("rt"), count, size)
+        for reader in self.participant.readers():
+            topic, count = reader.endpoint.topic.removeprefix("rt"), reader.incomplete
+            if count >= INCOMPLETE_MESSAGES and count > reader.complete:
+                yield f"incomplete {topic}", incomplete_message(topic, count, reader.incomplete_size)
 
     def node(self, name: str, namespace: str) -> DdsEntity:
         """Return a node of the kit that is not announced yet."""
-        gid = self.participant.prefix + next(self._node_numbers).to_bytes(4, "big")
-        return dds_node(self.participant.guid, namespace, name, gid)
-
-    def endpoint(
-        self, node: DdsEntity, kind: EntityKind, topic: str, type_name: str, qos: Qos, known_hash: str = ""
-    ) -> DdsEntity:
-        """Return an endpoint of a node of the kit that is not announced yet."""
-        return replace(
-            node,
-            kind=kind,
-            gid=b"",
-            topic=topic,
-            type_name=type_name,
-            type_hash=known_hash or type_hash(type_name),
-            qos=qos,
-        )
+        return dds_node(self.participant.guid, namespace, name)
 
     def announce(self, entity: DdsEntity) -> Declaration:
         """Announce a node, or a subscription that shares a reader."""
-        if entity.kind == "node":
-            self._own_nodes[entity.namespace, entity.node] = []
-            self._publish_discovery()
-            name = (entity.namespace, entity.node)
-            return Declaration(partial(self._own_nodes.pop, name, None), self._publish_discovery)
-        guid = self._own_readers[entity.topic, entity.type_name]
-        self.set_owner(entity, guid)
-        return Declaration(partial(self.set_owner, entity, guid, is_owned=False))
+        if entity.kind == "subscription":
+            return self.list_endpoint(entity, self._own_readers[entity.topic, entity.type_name])
+        name = (entity.namespace, entity.node)
+        self._own_nodes[name] = []
+        self._publish_discovery()
+        return Declaration(partial(self._own_nodes.pop, name, None), self._publish_discovery)
 
     def publisher(self, entity: DdsEntity) -> DdsPublisher:
         """Declare a publisher."""
@@ -429,7 +370,7 @@ class DdsLink(Link):
 
         # A gateway also forwards topics whose types are unknown on its computer.
         data = user_data(type_hash(type_name)) if is_known(type_name) else b""
-        reader = self.participant.add_reader(*topic_names(topic, type_name), qos, on_sample, data)
+        reader = self.participant.add_reader(*dds_names(topic, type_name), qos, on_sample, data)
         self._own_readers[topic, type_name] = reader.endpoint.guid
         return Declaration(partial(self.participant.remove, reader.endpoint))
 
@@ -441,53 +382,26 @@ class DdsLink(Link):
         """Declare a service client."""
         return DdsClient(self, entity)
 
-    def add_writer(self, entity: DdsEntity, topic: str, type_name: str, qos: Qos) -> Writer:
-        """Create a writer that belongs to a node of the kit."""
-        data = user_data(entity.type_hash)
-        writer = self.participant.add_writer(topic, type_name, qos, data)
-        self.set_owner(entity, writer.endpoint.guid)
-        return writer
-
-    def add_reader(
-        self, entity: DdsEntity, topic: str, type_name: str, qos: Qos, on_sample: OnSample
-    ) -> Reader:
-        """Create a reader that belongs to a node of the kit."""
-        data = user_data(entity.type_hash)
-        reader = self.participant.add_reader(topic, type_name, qos, on_sample, data)
-        self.set_owner(entity, reader.endpoint.guid)
-        return reader
-
-    def set_owner(self, entity: DdsEntity, guid: bytes, *, is_owned: bool = True) -> None:
-        """Announce that an endpoint belongs, or no longer belongs, to a node of the kit."""
-        guids = self._own_nodes.get((entity.namespace, entity.node))
-        if guids is None:
-            return
-        if is_owned:
-            guids.append(guid)
-        elif guid in guids:
-            guids.remove(guid)
+    def list_endpoint(self, entity: DdsEntity, guid: bytes) -> Declaration:
+        """Announce that an endpoint belongs to a node of the kit."""
+        guids = self._own_nodes.get((entity.namespace, entity.node), [])
+        guids.append(guid)
         self._publish_discovery()
+        return Declaration(partial(guids.remove, guid), self._publish_discovery)
 
     def _publish_discovery(self) -> None:
         self.participant.write(self._discovery, write_discovery(self.participant.guid, self._own_nodes))
 
     # The following methods run in the graph's thread and handle remote entities.
 
-    def _enqueue(self, action: Callable[..., None], *args: object) -> None:
-        """Queue an action. Called in the thread that receives."""
-        self.actions.put(partial(action, *args))
-
     def _on_discovery(self, sample: ReceivedSample) -> None:
         """Process the list of nodes of a participant."""
         with contextlib.suppress(CourseError):
             participant, nodes = read_discovery(sample.data)
-            if participant[:PREFIX_SIZE] == self.participant.prefix:
-                return
             before = self._nodes.get(participant, {})
-            self._nodes[participant] = {
-                name: before.get(name) or dds_node(participant, *name) for name in nodes
-            }
-            for name, node in self._nodes[participant].items():
+            now = {name: before.get(name) or dds_node(participant, *name) for name in nodes}
+            self._nodes[participant] = now
+            for name, node in now.items():
                 if name not in before:
                     self._on_entity(node, True)
                 for guid in nodes[name]:
@@ -507,7 +421,7 @@ class DdsLink(Link):
         entity = self._listed.pop(endpoint.guid, None)
         if entity is not None:
             self._on_entity(entity, False)
-        if endpoint.topic == DISCOVERY_TOPIC and endpoint.kind == "writer":
+        if endpoint.topic == DISCOVERY[0] and endpoint.kind == "writer":
             # The participant has no nodes left without this writer.
             for node in self._nodes.pop(endpoint.guid[:PREFIX_SIZE] + PARTICIPANT_ENTITY, {}).values():
                 self._on_entity(node, False)
@@ -525,14 +439,6 @@ class DdsLink(Link):
             # DDS transmits the hash of the request, from which the service's own hash cannot be
             # derived.
             remote_hash = type_hash(type_name)
-        entity = replace(
-            node,
-            kind=kind,
-            gid=guid,
-            topic=topic,
-            type_name=type_name,
-            type_hash=remote_hash,
-            qos=endpoint.qos,
-        )
-        self._listed[guid] = entity
-        self._on_entity(entity, True)
+        entity = replace(node, kind=kind, gid=guid, topic=topic, type_name=type_name)
+        self._listed[guid] = replace(entity, type_hash=remote_hash, qos=endpoint.qos)
+        self._on_entity(self._listed[guid], True)

@@ -27,10 +27,17 @@ from typing import TypeVar
 
 from course_lib.errors import CourseError
 from course_lib.ros.dds import wire
-from course_lib.ros.dds.endpoints import OnSample, Reader, ReceivedSample, Writer, data_submessage
+from course_lib.ros.dds.endpoints import (
+    Change,
+    Fragments,
+    OnSample,
+    Reader,
+    ReceivedSample,
+    Writer,
+)
 from course_lib.ros.dds.wire import PREFIX_SIZE, Buffer, Endpoint, Kind, Locator, ParameterList, Pid
 from course_lib.ros.graph.topics import Qos, find_incompatible_policy
-from course_lib.ros.robot.addresses import common_bits, resolve, socket_towards
+from course_lib.ros.robot.addresses import bind_udp, common_bits, resolve, socket_towards
 from course_lib.ros.time import wall
 
 PORT_BASE, PORTS_PER_DOMAIN, FIRST_UNICAST = 7400, 250, 10
@@ -61,8 +68,6 @@ SEDP: Mapping[Kind, tuple[bytes, bytes]] = {
     "reader": (wire.SUBSCRIPTIONS_WRITER, wire.SUBSCRIPTIONS_READER),
 }
 
-# Called with an endpoint, and False if it was removed.
-OnEndpoint = Callable[[Endpoint, bool], None]
 Own = TypeVar("Own", Writer, Reader)
 
 
@@ -87,14 +92,14 @@ class Participant:
     Args:
         domain: ROS_DOMAIN_ID.
         host: Address or name of the robot.
-        on_endpoint: Called with each remote endpoint that joins or leaves, in the thread that
-            receives.
+        on_endpoint: Called with each remote endpoint and whether it joins or leaves, in the thread
+            that receives.
 
     Raises:
         CourseError: No port is free, the host is unknown, or no network leads to it.
     """
 
-    def __init__(self, domain: int, host: str, on_endpoint: OnEndpoint) -> None:
+    def __init__(self, domain: int, host: str, on_endpoint: Callable[[Endpoint, bool], None]) -> None:
         self.domain, self._host, self._on_endpoint = domain, host, on_endpoint
         peer = resolve(host)
         self.prefix = wire.VENDOR_ID + os.urandom(PREFIX_SIZE - len(wire.VENDOR_ID))
@@ -106,13 +111,14 @@ class Participant:
         self.datagrams = 0
         # Wall time of the last datagram of a known participant [s].
         self._heard_at = 0.0
-        base = PORT_BASE + PORTS_PER_DOMAIN * domain + FIRST_UNICAST
-        self._probe, self._probe_error = socket_towards(peer, base), 0
-        self._address = self._probe.getsockname()[0]
+        first_port = PORT_BASE + PORTS_PER_DOMAIN * domain + FIRST_UNICAST
+        # The ports of the participants of one computer.
+        self._ports = range(first_port, first_port + 2 * PORT_ATTEMPTS, 2)
+        self._probe, self._probe_error = socket_towards(peer, first_port), 0
         # A datagram without submessages only probes whether the first participant's port is open.
         self._probe.send(wire.PROTOCOL + wire.VENDOR_ID + self.prefix)
-        self._socket = self._bind(base)
-        self._own_locator: Locator = (self._address, self._socket.getsockname()[1])
+        self._socket = bind_udp(self._probe.getsockname()[0], self._ports, SOCKET_BUFFER)
+        self._own_locator: Locator = self._socket.getsockname()
         # The given address of the robot, and the address from which it sends now.
         self._peer = self.current_peer = peer
         self._entities = itertools.count(1)
@@ -120,8 +126,8 @@ class Participant:
         self._own: dict[bytes, Writer | Reader] = {}
         # Own writers that announce endpoints.
         self._announcers: dict[Kind, Writer] = {}
-        # Remote participants by GUID prefix.
-        self._remotes: dict[bytes, RemoteParticipant] = {}
+        # Remote participants that are present now, by GUID prefix.
+        self.remotes: dict[bytes, RemoteParticipant] = {}
         # Remote endpoints by GUID.
         self._endpoints: dict[bytes, Endpoint] = {}
         self._announcements = itertools.count(1)
@@ -132,14 +138,11 @@ class Participant:
         self._covered_until = 0.0
         # Datagrams whose processing was interrupted, and their senders' addresses.
         self._interrupted: deque[tuple[bytes, str]] = deque(maxlen=MAX_DATAGRAMS)
-        for kind, (writer, reader) in SEDP.items():
-            announcer = Writer(self, Endpoint(self.prefix + writer, "", "", DISCOVERY_QOS))
-            self._own[writer] = self._announcers[kind] = announcer
-            endpoint = Endpoint(self.prefix + reader, "", "", DISCOVERY_QOS)
-            self._own[reader] = Reader(self, endpoint, self._on_sedp)
+        for kind, pair in SEDP.items():
+            writer, reader = (Endpoint(self.prefix + one, "", "", DISCOVERY_QOS) for one in pair)
+            self._announcers[kind] = announcer = Writer(self, writer)
+            self._own |= {pair[0]: announcer, pair[1]: Reader(self, reader, self._on_sedp)}
         self.is_open = True
-        self._ended = _thread.allocate_lock()
-        self._ended.acquire()
         _thread.start_new_thread(self._run, ())
 
     def peer_error(self) -> int:
@@ -149,14 +152,10 @@ class Participant:
                 self._probe_error = self._probe.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
         return self._probe_error
 
-    def has_peers(self) -> bool:
-        """Return whether a remote participant is present now."""
-        return bool(self._remotes)
-
     def silent_seconds(self) -> float:
         """Return for how long no remote participant has sent anything [s]; 0 if none is present."""
         with self.lock:
-            return wall.monotonic() - self._heard_at if self._remotes else 0.0
+            return wall.monotonic() - self._heard_at if self.remotes else 0.0
 
     def add_writer(self, topic: str, type_name: str, qos: Qos, user_data: bytes = b"") -> Writer:
         """Create a writer and announce it."""
@@ -178,32 +177,27 @@ class Participant:
         with self.lock:
             self._own[endpoint.guid[PREFIX_SIZE:]] = own
             description = wire.describe(endpoint, self.guid, self._own_locator)
-            self._announcers[endpoint.kind].write(description, b"", wall.time_ns())
+            self._announcers[endpoint.kind].write(description)
             for remote in tuple(self._endpoints.values()):
                 _match(own, remote)
         return own
 
-    def incomplete_topics(self) -> list[tuple[str, int, int]]:
-        """Return (topic, number, size [B]) of the incomplete messages, if most messages of a topic are."""
+    def readers(self) -> list[Reader]:
+        """Return the readers of this participant."""
         with self.lock:
-            return [
-                (reader.endpoint.topic, reader.incomplete, reader.incomplete_size)
-                for reader in self._own.values()
-                if isinstance(reader, Reader) and reader.incomplete > reader.complete
-            ]
+            return [own for own in self._own.values() if isinstance(own, Reader)]
 
     def write(self, writer: Writer, data: bytes, inline_qos: bytes = b"") -> int:
         """Publish a message and return its sequence number. May be called from any thread."""
         with self.lock:
-            return writer.write(data, inline_qos, wall.time_ns()) if self.is_open else 0
+            return writer.write(data, inline_qos) if self.is_open else 0
 
     def remove(self, endpoint: Endpoint) -> None:
         """Remove a writer or a reader from the network."""
         with self.lock:
             self._own.pop(endpoint.guid[PREFIX_SIZE:], None)
             if self.is_open:
-                disposal = wire.disposal(Pid.ENDPOINT, endpoint.guid)
-                self._announcers[endpoint.kind].write(*disposal, wall.time_ns())
+                self._announcers[endpoint.kind].write(*wire.disposal(Pid.ENDPOINT, endpoint.guid))
 
     def close(self) -> None:
         """Leave the domain as soon as reliable messages have been acknowledged.
@@ -220,22 +214,20 @@ class Participant:
         with self.lock:
             if not self.is_open:
                 return
-            data, inline_qos = wire.disposal(Pid.PARTICIPANT, self.guid)
-            self._send_spdp(self._ports_of_robot(), data, inline_qos)
+            self._send_spdp(self._ports_of_robot(), *wire.disposal(Pid.PARTICIPANT, self.guid))
             self.is_open = False
-        # The thread may be ending at this moment, so the waits have a timeout.
-        self._ended.acquire(timeout=1.0)
-        self._receiving.acquire(timeout=1.0)
+        # A thread that waits for a datagram stops by itself, but not one that is interrupted here.
+        is_unused = self._receiving.acquire(timeout=1.0)
         self._socket.close()
         self._probe.close()
+        if is_unused:
+            self._receiving.release()
 
-    def send(
-        self, submessages: Iterable[Buffer], locators: Iterable[Locator], destination: bytes = b""
-    ) -> None:
-        """Send submessages to addresses, for one participant or for all participants there."""
-        info = wire.submessage(wire.INFO_DST, 0, destination) if destination else ()
-        datagram = b"".join((wire.PROTOCOL, wire.VENDOR_ID, self.prefix, *info, *submessages))
-        for address in locators:
+    def send(self, parts: Iterable[Buffer], locators: Iterable[Locator], prefix: bytes = b"") -> None:
+        """Send submessages, given in parts, for one participant or for all participants there."""
+        info = wire.submessage(wire.INFO_DST, 0, prefix) if prefix else ()
+        datagram = b"".join((wire.PROTOCOL, wire.VENDOR_ID, self.prefix, *info, *parts))
+        for address in locators if self.is_open else ():
             # If the buffer is full or an address unreachable, the datagram is lost, and the
             # protocol resends it.
             with contextlib.suppress(OSError):
@@ -245,9 +237,8 @@ class Participant:
 
     def _ports_of_robot(self) -> list[Locator]:
         """Return the addresses of the participants that may run on the robot."""
-        base = PORT_BASE + PORTS_PER_DOMAIN * self.domain + FIRST_UNICAST
         hosts = dict.fromkeys((self._peer, self.current_peer))
-        return [(host, base + 2 * i) for host in hosts for i in range(ASKED_PARTICIPANTS)]
+        return [(host, port) for host in hosts for port in self._ports[:ASKED_PARTICIPANTS]]
 
     def _announce(self, locators: Iterable[Locator]) -> None:
         here = wire.locator(self._own_locator)
@@ -266,9 +257,8 @@ class Participant:
         self._send_spdp(locators, data)
 
     def _send_spdp(self, locators: Iterable[Locator], data: bytes, inline_qos: bytes = b"") -> None:
-        writer = self.prefix + wire.SPDP_WRITER
-        body = data_submessage(writer, next(self._announcements), data, inline_qos, wire.SPDP_READER)
-        self.send((wire.timestamp(wall.time_ns()), *body), locators)
+        change = Change(next(self._announcements), data, inline_qos, wall.time_ns())
+        self.send(change.encode(self.prefix + wire.SPDP_WRITER, wire.SPDP_READER), locators)
 
     def _on_spdp(self, sample: ReceivedSample, sender: str) -> None:
         """Process the announcement or departure of a participant, from the address `sender`."""
@@ -283,43 +273,36 @@ class Participant:
         lease_ns = parameters.duration(Pid.LEASE, default=round(LEASE_SECONDS * 1e9))
         lease_end = wall.monotonic() + (1e9 if lease_ns is None else lease_ns * 1e-9)
         locators = parameters.locators(Pid.METATRAFFIC)
-        host = self._choose_host(locators, sender)
-        remote = self._remotes.get(prefix)
+        host = self._choose_host([host for host, _ in locators], sender)
+        remote = self.remotes.get(prefix)
         if remote is not None:
             self._move(prefix, remote, host)
             remote.lease_end = lease_end
-        elif len(self._remotes) >= MAX_PARTICIPANTS:
-            self.dropped["too many participants"] += 1
+        elif len(self.remotes) >= MAX_PARTICIPANTS:
+            raise ValueError("too many participants")
         else:
-            self._answer(prefix, _locators_at(host, locators))
-            default_locators = parameters.locators(Pid.DEFAULT_UNICAST) or locators
-            endpoint_locators = _locators_at(host, default_locators)
-            self._remotes[prefix] = RemoteParticipant(host, endpoint_locators, lease_end)
+            builtin = _locators_at(host, locators)
+            self._announce(builtin)
+            self._eager = EAGER_ANNOUNCEMENTS
+            for writer, reader in SEDP.values():
+                for own, entity in ((writer, reader), (reader, writer)):
+                    endpoint = Endpoint(prefix + entity, "", "", DISCOVERY_QOS, locators=builtin)
+                    self._own[own].match(endpoint)
+            locators = _locators_at(host, parameters.locators(Pid.DEFAULT_UNICAST) or locators)
+            self.remotes[prefix] = RemoteParticipant(host, locators, lease_end)
 
-    def _answer(self, prefix: bytes, locators: tuple[Locator, ...]) -> None:
-        """Announce this participant to another one, and exchange endpoints with it."""
-        self._announce(locators)
-        self._eager = EAGER_ANNOUNCEMENTS
-        for pair in SEDP.values():
-            for own, remote in (pair, pair[::-1]):
-                endpoint = Endpoint(prefix + remote, "", "", DISCOVERY_QOS, locators=locators)
-                self._own[own].match(endpoint)
-
-    def _choose_host(self, locators: tuple[Locator, ...], sender: str) -> str:
+    def _choose_host(self, hosts: list[str], sender: str) -> str:
         """Choose one address of a remote participant.
 
         A robot often has several networks, of which only one is this participant's: a TurtleBot 4
         also announces the address of its internal network. A robot whose address has changed still
         announces the old one.
         """
-        hosts = [host for host, _ in locators]
         if sender not in ("", self._peer, *hosts):
             return sender
-
-        def fitness(host: str) -> tuple[bool, int]:
-            return host == self._peer, common_bits(host, self._address)
-
-        return max(hosts or [self._peer], key=fitness)
+        if self._peer in hosts or not hosts:
+            return self._peer
+        return max(hosts, key=lambda host: common_bits(host, self._own_locator[0]))
 
     def _move(self, prefix: bytes, remote: RemoteParticipant, host: str) -> None:
         """Send to a participant at its present address."""
@@ -337,12 +320,10 @@ class Participant:
 
     def _remove_participant(self, prefix: bytes) -> None:
         """Remove a participant and its endpoints."""
-        if prefix not in self._remotes:
-            return
         builtin = [prefix + entity for pair in SEDP.values() for entity in pair]
         for guid in [guid for guid in self._endpoints if guid[:PREFIX_SIZE] == prefix] + builtin:
             self._remove_endpoint(guid)
-        del self._remotes[prefix]
+        self.remotes.pop(prefix, None)
 
     # Discovery of endpoints.
 
@@ -359,24 +340,17 @@ class Participant:
             self._remove_endpoint(guid)
             return
         parameters = ParameterList.from_payload(sample.data)
-        guid = parameters.first(Pid.ENDPOINT)
-        if len(guid) != 16:
-            raise ValueError("an endpoint without a GUID")
+        guid = parameters.first(Pid.ENDPOINT)[:16]
         if guid not in self._endpoints and len(self._endpoints) >= MAX_ENDPOINTS:
-            self.dropped["too many endpoints"] += 1
-            return
-        remote = self._remotes.get(guid[:PREFIX_SIZE])
+            raise ValueError("too many endpoints")
+        remote = self.remotes.get(guid[:PREFIX_SIZE])
         host, default_locators = (remote.host, remote.locators) if remote else (self._peer, ())
-        endpoint = Endpoint(
-            guid,
-            parameters.string(Pid.TOPIC),
-            parameters.string(Pid.TYPE),
-            parameters.qos(wire.kind_of(guid)),
-            parameters.octets(Pid.USER_DATA),
-            _locators_at(host, parameters.locators(Pid.UNICAST)) or default_locators,
-            # An empty sequence of partitions has the length 0.
-            has_partition=parameters.number(Pid.PARTITION, 0) > 0,
-        )
+        topic, type_name = parameters.string(Pid.TOPIC), parameters.string(Pid.TYPE)
+        qos, user_data = parameters.qos(wire.kind_of(guid)), parameters.octets(Pid.USER_DATA)
+        locators = _locators_at(host, parameters.locators(Pid.UNICAST)) or default_locators
+        # An empty sequence of partitions has the length 0.
+        has_partition = parameters.number(Pid.PARTITION, 0) > 0
+        endpoint = Endpoint(guid, topic, type_name, qos, user_data, locators, has_partition)
         if guid not in self._endpoints:
             self._on_endpoint(endpoint, True)
             self._endpoints[guid] = endpoint
@@ -392,52 +366,29 @@ class Participant:
 
     # Receiving.
 
-    def _bind(self, base: int) -> socket.socket:
-        """Return a socket on the first free unicast port of the domain."""
-        for i in range(PORT_ATTEMPTS):
-            udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-            udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, SOCKET_BUFFER)
-            udp.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SOCKET_BUFFER)
-            udp.setblocking(False)
-            try:
-                udp.bind((self._address, base + 2 * i))
-                return udp
-            except OSError:
-                udp.close()
-        raise CourseError(
-            f"No UDP port from {base} to {base + 2 * PORT_ATTEMPTS - 2} is free on "
-            f"{self._address}: end other ROS programs on this computer, or choose another domain."
-        )
-
     def _run(self) -> None:
-        try:
-            self._loop()
-        finally:
-            self._ended.release()
-
-    def _loop(self) -> None:
         next_announcement = next_heartbeat = 0.0
         while self.is_open:
             now = wall.monotonic()
             if now >= next_announcement or self._eager == EAGER_ANNOUNCEMENTS:
                 next_announcement = now + (EAGER_SECONDS if self._eager else ANNOUNCE_SECONDS)
                 self._eager = max(0, self._eager - 1)
-                if not (self._remotes or self._eager):
+                if not (self.remotes or self._eager):
                     self._resolve_again()
                 with self.lock:
                     self._announce(self._ports_of_robot())
-                    for prefix, remote in tuple(self._remotes.items()):
+                    for prefix, remote in tuple(self.remotes.items()):
                         if remote.lease_end < now:
                             self._remove_participant(prefix)
-            if now >= next_heartbeat:
-                next_heartbeat = now + HEARTBEAT_SECONDS
-                with self.lock:
+            with self.lock:
+                if now >= next_heartbeat:
+                    next_heartbeat = now + HEARTBEAT_SECONDS
                     for own in self._own.values():
                         own.tick()
                     if self.silent_seconds() > ASK_SECONDS:
                         # An idle robot announces itself only every few seconds.
-                        self._announcers["writer"].request_acknowledgements()
-            with self.lock:
+                        for reader in self._announcers["writer"].matched.values():
+                            self._announcers["writer"].send_heartbeat(reader)
                 while self._interrupted:
                     self.receive(*self._interrupted.popleft())
             now = wall.monotonic()
@@ -465,8 +416,7 @@ class Participant:
         if not self._receiving.acquire(blocking=False):
             return False
         try:
-            if self.is_open:
-                self._receive_all(seconds)
+            self._receive_all(seconds)
         finally:
             self._receiving.release()
             self._covered_until = wall.monotonic() + HANDOVER_SECONDS
@@ -474,7 +424,7 @@ class Participant:
 
     def _receive_all(self, seconds: float) -> None:
         """Process the datagrams that have arrived, or wait at most for `seconds` for the first."""
-        if not select.select([self._socket], [], [], seconds)[0]:
+        if not (self.is_open and select.select([self._socket], [], [], seconds)[0]):
             return
         for _ in range(MAX_DATAGRAMS):
             try:
@@ -493,7 +443,7 @@ class Participant:
             with self.lock:
                 if self.is_open:
                     self._process(data, host)
-                    if sender in self._remotes:
+                    if sender in self.remotes:
                         self._heard_at = wall.monotonic()
         except MALFORMED as error:
             self.dropped[type(error).__name__] += 1
@@ -503,21 +453,16 @@ class Participant:
 
     def _process(self, data: bytes, host: str) -> None:
         for received in wire.read_datagram(data, self.prefix):
-            if not received.is_for or received.source == self.prefix:
-                continue
             if received.kind in (wire.DATA, wire.DATA_FRAG):
                 self._on_data(received, host)
-            elif received.kind in (wire.ACKNACK, wire.NACK_FRAG):
-                self._on_nack(received)
-            elif received.kind in (wire.HEARTBEAT, wire.GAP):
-                self._on_writer_state(received)
+            elif received.kind in (wire.ACKNACK, wire.NACK_FRAG, wire.HEARTBEAT, wire.GAP):
+                self._on_state(received)
 
     def _on_data(self, received: wire.Submessage, host: str) -> None:
+        """Process a message, or fragments of one, that `host` has sent."""
         body, order = received.body, received.order
-        reader_entity, writer_entity = bytes(body[4:8]), bytes(body[8:12])
-        number = wire.read_sequence_number(body, 12, order)
-        begin = 4 + struct.unpack_from(f"{order}H", body, 2)[0]
-        related, is_disposed, key = None, False, b""
+        offset, reader_entity, writer_entity = received.unpack("H4s4s", 2)
+        begin, related, is_disposed, key = 4 + offset, None, False, b""
         if received.flags & 0x02:
             inline = ParameterList(body, order, begin)
             begin, key = inline.end, inline.first(Pid.KEY_HASH)
@@ -525,49 +470,40 @@ class Participant:
             identity = inline.first(Pid.RELATED) or inline.first(Pid.RELATED_OLD)
             if identity:
                 related = wire.RequestId(identity[:16], wire.read_sequence_number(identity, 16, order))
-        payload = bytes(body[begin:]) if received.kind == wire.DATA else b""
-        writer, source_ns = received.source + writer_entity, received.stamp_ns
-        sample = ReceivedSample(payload, writer, number, source_ns, related, is_disposed, key)
+        data = bytes(body[begin:]) if received.kind == wire.DATA else b""
+        writer, number = received.source + writer_entity, received.sequence_number(12)
+        sample = ReceivedSample(data, writer, number, received.stamp_ns, related, is_disposed, key)
         if writer_entity == wire.SPDP_WRITER:
             self._on_spdp(sample, host)
-        for reader in self._readers_of(reader_entity, sample.writer):
+        for reader in self._readers_of(reader_entity, writer):
             if received.kind == wire.DATA:
                 reader.on_data(sample)
             else:
-                first, count, fragment_size, size = struct.unpack_from(f"{order}IHHI", body, 20)
-                reader.on_fragment(sample, first, count, fragment_size, size, body[begin:])
+                reader.on_fragments(sample, Fragments(*received.unpack("IHHI", 20)), body[begin:])
 
-    def _on_nack(self, received: wire.Submessage) -> None:
-        """Process a remote reader's report of missing messages."""
-        body, order = received.body, received.order
-        reader, writer = received.source + body[:4], self._own.get(bytes(body[4:8]))
-        if not isinstance(writer, Writer):
-            return
-        number = wire.read_sequence_number(body, 8, order)
-        if received.kind == wire.ACKNACK:
-            missing = wire.read_bitmap(body, 16, number, order)
-            writer.on_acknack(reader, number, missing, is_final=bool(received.flags & 0x02))
-        else:
-            (base,) = struct.unpack_from(f"{order}I", body, 16)
-            writer.on_nack_frag(reader, number, wire.read_bitmap(body, 20, base, order))
-
-    def _on_writer_state(self, received: wire.Submessage) -> None:
-        """Process a remote writer's heartbeat, or its gap of messages that it no longer has."""
-        body, order = received.body, received.order
-        writer = received.source + body[4:8]
-        first, second = (wire.read_sequence_number(body, at, order) for at in (8, 16))
-        for reader in self._readers_of(bytes(body[:4]), writer):
-            if received.kind == wire.HEARTBEAT:
-                (count,) = struct.unpack_from(f"{order}i", body, 24)
-                reader.on_heartbeat(writer, first, second, count, is_final=bool(received.flags & 0x02))
+    def _on_state(self, received: wire.Submessage) -> None:
+        """Process what a remote reader has received, or what a remote writer can send."""
+        kind, source, (reader, writer) = received.kind, received.source, received.unpack("4s4s", 0)
+        number, is_final = received.sequence_number(8), bool(received.flags & wire.FINAL)
+        if kind in (wire.HEARTBEAT, wire.GAP):
+            end, guid = received.sequence_number(16), source + writer
+            for own in self._readers_of(reader, guid):
+                if kind == wire.HEARTBEAT:
+                    count = received.unpack("i", 24)
+                    own.on_heartbeat(guid, number, end, *count, is_final=is_final)
+                else:
+                    own.on_gap(guid, number, end, received.numbers(24, end))
+        elif isinstance(addressed := self._own.get(writer), Writer):
+            if kind == wire.ACKNACK:
+                addressed.on_acknack(source + reader, number, received.numbers(16, number), is_final=is_final)
             else:
-                reader.on_gap(writer, first, second, wire.read_bitmap(body, 24, second, order))
+                (base,) = received.unpack("I", 16)
+                addressed.on_nack_frag(source + reader, number, received.numbers(20, base))
 
     def _readers_of(self, entity: bytes, writer: bytes) -> list[Reader]:
         """Return the readers to which a submessage of a remote writer is addressed."""
         if entity == wire.UNKNOWN_ENTITY:
-            own_endpoints = self._own.values()
-            return [own for own in own_endpoints if writer in own.matched and isinstance(own, Reader)]
+            return [own for own in self.readers() if writer in own.matched]
         own = self._own.get(entity)
         return [own] if isinstance(own, Reader) and writer in own.matched else []
 
@@ -584,13 +520,10 @@ def _locators_at(host: str, locators: tuple[Locator, ...]) -> tuple[Locator, ...
 
 def _match(own: Writer | Reader, remote: Endpoint) -> None:
     """Match two endpoints if DDS connects them."""
-    is_writer = own.endpoint.kind == "writer"
-    writer, reader = (own.endpoint, remote) if is_writer else (remote, own.endpoint)
-    if (
-        (writer.kind, reader.kind) == ("writer", "reader")
-        and writer.topic
-        and (writer.topic, writer.type_name) == (reader.topic, reader.type_name)
-        and not (writer.has_partition or reader.has_partition)
-        and find_incompatible_policy(writer.qos, reader.qos) is None
-    ):
+    topic, ends = own.endpoint.topic, {own.endpoint.kind: own.endpoint, remote.kind: remote}
+    if len(ends) < 2 or not topic or remote.has_partition:
+        return
+    if (topic, own.endpoint.type_name) != (remote.topic, remote.type_name):
+        return
+    if find_incompatible_policy(ends["writer"].qos, ends["reader"].qos) is None:
         own.match(remote)

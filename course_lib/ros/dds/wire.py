@@ -11,7 +11,7 @@ import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Literal, NamedTuple, Self
+from typing import Any, Literal, NamedTuple, Self
 
 from course_lib.ros.graph.topics import Qos
 
@@ -31,6 +31,8 @@ MAX_MESSAGE = 64 * 2**20  # [B]
 # Submessages
 PAD, ACKNACK, HEARTBEAT, GAP, INFO_TS, INFO_SRC, INFO_DST = 0x01, 0x06, 0x07, 0x08, 0x09, 0x0C, 0x0E
 NACK_FRAG, DATA, DATA_FRAG = 0x12, 0x15, 0x16
+# Flag of an ACKNACK or a HEARTBEAT that needs no answer.
+FINAL = 0x02
 
 # Entities
 UNKNOWN_ENTITY, PARTICIPANT_ENTITY = b"\0\0\0\0", b"\0\0\1\xc1"
@@ -42,9 +44,6 @@ USER_WRITER, USER_READER = 0x03, 0x04  # last byte of the entities of ROS, which
 
 # kind, flags and length of a submessage; for INFO_TS also seconds and fraction.
 SUBMESSAGE, TIMESTAMP = struct.Struct("<BBH"), struct.Struct("<BBHII")
-# Readers of a submessage's length and of a sequence number, by byte order.
-READ_LENGTH = {order: struct.Struct(f"{order}H").unpack_from for order in "<>"}
-READ_SEQUENCE = {order: struct.Struct(f"{order}iI").unpack_from for order in "<>"}
 PL_CDR_LE = b"\0\3\0\0"
 DISPOSED = b"\0\0\0\3"  # status of an instance that was disposed and unregistered
 INFINITE = (0x7FFFFFFF, 0xFFFFFFFF)
@@ -89,7 +88,6 @@ class Submessage(NamedTuple):
     Args:
         body: Its bytes in the datagram, which are kept as long as the view.
         source: GUID prefix of the sender.
-        is_for: Whether it is addressed to the given participant, or to all.
         stamp_ns: Source time, [ns] since 1970; 0 if none was sent.
     """
 
@@ -98,8 +96,23 @@ class Submessage(NamedTuple):
     order: Literal["<", ">"]
     body: memoryview
     source: bytes
-    is_for: bool
     stamp_ns: int
+
+    def unpack(self, layout: str, at: int) -> tuple[Any, ...]:
+        """Decode the fields at a position."""
+        return struct.unpack_from(self.order + layout, self.body, at)
+
+    def sequence_number(self, at: int) -> int:
+        """Decode the sequence number at a position."""
+        return read_sequence_number(self.body, at, self.order)
+
+    def numbers(self, at: int, base: int) -> list[int]:
+        """Decode the bitmap of numbers at a position."""
+        (count,) = self.unpack("I", at)
+        if count > MAX_SET:
+            raise ValueError(f"a set of {count} numbers")
+        words = self.unpack(f"{(count + 31) // 32}I", at + 4)
+        return [base + i for i in range(count) if words[i // 32] >> (31 - i % 32) & 1]
 
 
 class RequestId(NamedTuple):
@@ -139,16 +152,6 @@ class Endpoint:
         """Whether it is a writer or a reader."""
         return kind_of(self.guid)
 
-    @property
-    def is_reliable(self) -> bool:
-        """Whether its reliability is RELIABLE."""
-        return self.qos.reliability == "reliable"
-
-    @property
-    def is_latched(self) -> bool:
-        """Whether its durability is TRANSIENT_LOCAL."""
-        return self.qos.durability == "transient_local"
-
 
 def submessage(kind: int, flags: int, *body: Buffer) -> tuple[Buffer, ...]:
     """Encode a submessage in parts, so that its data is copied only once, into the datagram.
@@ -156,32 +159,33 @@ def submessage(kind: int, flags: int, *body: Buffer) -> tuple[Buffer, ...]:
     A submessage of 64 KiB or more must be the last of its datagram; its length field is then 0.
     """
     size = sum(map(len, body))
-    padding = bytes(-size % 4)
-    size += len(padding)
-    return (SUBMESSAGE.pack(kind, flags | 1, size if size < 2**16 else 0), *body, padding)
+    padded = size + -size % 4
+    return (SUBMESSAGE.pack(kind, flags | 1, padded if padded < 2**16 else 0), *body, bytes(padded - size))
 
 
 def read_datagram(data: bytes, own_prefix: bytes) -> Iterator[Submessage]:
-    """Yield the submessages of a datagram, except INFO submessages, which set fields of the others."""
+    """Yield the submessages of a datagram that other participants have sent to this one or to all.
+
+    INFO submessages are not yielded. They set fields of the others.
+    """
     if len(data) < HEADER_SIZE or data[:4] != PROTOCOL[:4]:
         raise ValueError("not an RTPS datagram")
     view, source, is_for, stamp_ns, at = memoryview(data), data[8:HEADER_SIZE], True, 0, HEADER_SIZE
     while at + 4 <= len(data):
         kind, flags = data[at], data[at + 1]
         order: Literal["<", ">"] = "<" if flags & 1 else ">"
-        (size,) = READ_LENGTH[order](data, at + 2)
+        (size,) = struct.unpack_from(f"{order}H", data, at + 2)
         # A length of 0 means "up to the end", except in submessages that may be empty.
         end = at + 4 + size if size or kind in (PAD, INFO_TS) else len(data)
-        body = view[at + 4 : end]
-        at = end
+        body, at = view[at + 4 : end], end
         if kind == INFO_DST:
             is_for = body[:PREFIX_SIZE] in (own_prefix, bytes(PREFIX_SIZE))
         elif kind == INFO_SRC:
             source = bytes(body[8:HEADER_SIZE])
         elif kind == INFO_TS:
             stamp_ns = 0 if flags & 2 else read_time(body, order)
-        else:
-            yield Submessage(kind, flags, order, body, source, is_for, stamp_ns)
+        elif is_for and source != own_prefix:
+            yield Submessage(kind, flags, order, body, source, stamp_ns)
 
 
 def timestamp(at_ns: int) -> bytes:
@@ -193,8 +197,7 @@ def timestamp(at_ns: int) -> bytes:
 def read_time(data: Buffer, order: str, at: int = 0) -> int:
     """Decode a time since 1970 or a duration [ns]."""
     seconds, fraction = struct.unpack_from(f"{order}II", data, at)
-    value_ns: int = seconds * 10**9 + round(fraction * 1e9 / 2**32)
-    return value_ns
+    return int(seconds * 10**9 + round(fraction * 1e9 / 2**32))
 
 
 def sequence_number(value: int) -> bytes:
@@ -204,9 +207,8 @@ def sequence_number(value: int) -> bytes:
 
 def read_sequence_number(data: Buffer, at: int, order: str) -> int:
     """Decode the sequence number at a position."""
-    high, low = READ_SEQUENCE[order](data, at)
-    value: int = high << 32 | low
-    return value
+    high, low = struct.unpack_from(f"{order}iI", data, at)
+    return int(high << 32 | low)
 
 
 def number_bitmap(base: int, numbers: Sequence[int]) -> bytes:
@@ -218,35 +220,25 @@ def number_bitmap(base: int, numbers: Sequence[int]) -> bytes:
     return struct.pack(f"<I{len(words)}I", count, *words)
 
 
-def read_bitmap(data: Buffer, at: int, base: int, order: str) -> list[int]:
-    """Decode the bitmap at a position, as the numbers that are set."""
-    (count,) = struct.unpack_from(f"{order}I", data, at)
-    if count > MAX_SET:
-        raise ValueError(f"a set of {count} numbers")
-    words = struct.unpack_from(f"{order}{(count + 31) // 32}I", data, at + 4)
-    return [base + i for i in range(count) if words[i // 32] >> (31 - i % 32) & 1]
-
-
-def parameter(pid: int, value: bytes) -> bytes:
-    """Encode a parameter."""
-    value += bytes(-len(value) % 4)
-    return struct.pack("<HH", pid, len(value)) + value
+def number_set(base: int, numbers: Sequence[int]) -> bytes:
+    """Encode sequence numbers of [base, base + 256)."""
+    return sequence_number(base) + number_bitmap(base, numbers)
 
 
 def parameter_list(*parameters: tuple[int, bytes]) -> bytes:
     """Encode a list of parameters (pid, value), with its end."""
-    return b"".join(parameter(pid, value) for pid, value in (*parameters, (Pid.SENTINEL, b"")))
-
-
-def string(value: str) -> bytes:
-    """Encode a string."""
-    data = value.encode() + b"\0"
-    return struct.pack("<I", len(data)) + data
+    padded = [(pid, value + bytes(-len(value) % 4)) for pid, value in (*parameters, (Pid.SENTINEL, b""))]
+    return b"".join(struct.pack("<HH", pid, len(value)) + value for pid, value in padded)
 
 
 def octets(value: bytes) -> bytes:
     """Encode a sequence of octets."""
     return struct.pack("<I", len(value)) + value
+
+
+def string(value: str) -> bytes:
+    """Encode a string."""
+    return octets(value.encode() + b"\0")
 
 
 def duration(value_ns: int | None) -> bytes:
@@ -282,16 +274,14 @@ class ParameterList:
         """Read the list of a message, behind its encapsulation header of 4 bytes."""
         return cls(payload, "<" if payload[1] & 1 else ">", 4)
 
-    def __contains__(self, pid: int) -> bool:
-        return pid in self._values
-
     def first(self, pid: int, default: bytes = b"") -> bytes:
         """Return the first value of a parameter."""
         return self._values.get(pid, [default])[0]
 
     def number(self, pid: int, default: int) -> int:
         """Return an unsigned integer of 32 bits."""
-        return int(struct.unpack_from(f"{self.order}I", self.first(pid))[0]) if pid in self else default
+        value = self.first(pid)
+        return int(struct.unpack_from(f"{self.order}I", value)[0]) if value else default
 
     def octets(self, pid: int) -> bytes:
         """Return a sequence of octets."""
@@ -303,19 +293,18 @@ class ParameterList:
 
     def duration(self, pid: int, at: int = 0, default: int | None = None) -> int | None:
         """Return a duration [ns]; None is infinite."""
-        if pid not in self:
+        if pid not in self._values:
             return default
         value_ns = read_time(self.first(pid), self.order, at)
         return None if value_ns == INFINITE_NS else value_ns
 
     def locators(self, pid: int) -> tuple[Locator, ...]:
         """Return the UDPv4 locators. Shared memory, TCP and IPv6 are ignored."""
-        locators = []
-        for value in self._values.get(pid, ()):
-            kind, port = struct.unpack_from(f"{self.order}iI", value)
-            if kind == 1 and len(value) >= 24 and 0 < port < 2**16:
-                locators.append((socket.inet_ntoa(value[20:24]), int(port)))
-        return tuple(locators)
+        layout = struct.Struct(f"{self.order}iI12x4s")
+        found = [layout.unpack_from(value) for value in self._values.get(pid, ())]
+        return tuple(
+            (socket.inet_ntoa(ip), port) for kind, port, ip in found if kind == 1 and 0 < port < 2**16
+        )
 
     def qos(self, kind: Kind) -> Qos:
         """Return the QoS of an endpoint. Absent policies have the defaults of DDS, not ROS.
@@ -338,23 +327,22 @@ def describe(endpoint: Endpoint, participant: bytes, here: Locator) -> bytes:
     """Encode an endpoint of this participant for discovery."""
     qos = endpoint.qos
     liveliness = 2 if qos.liveliness == "manual_by_topic" else 0
-    parameters = [
+    own_data = [(Pid.USER_DATA, octets(endpoint.user_data))] if endpoint.user_data else []
+    return PL_CDR_LE + parameter_list(
         (Pid.ENDPOINT, endpoint.guid),
         (Pid.KEY_HASH, endpoint.guid),
         (Pid.PARTICIPANT, participant),
         (Pid.TOPIC, string(endpoint.topic)),
         (Pid.TYPE, string(endpoint.type_name)),
         (Pid.UNICAST, locator(here)),
-        (Pid.RELIABILITY, struct.pack("<I", 1 + endpoint.is_reliable) + duration(10**8)),
-        (Pid.DURABILITY, struct.pack("<I", endpoint.is_latched)),
+        (Pid.RELIABILITY, struct.pack("<I", 1 + qos.is_reliable) + duration(10**8)),
+        (Pid.DURABILITY, struct.pack("<I", qos.is_latched)),
         (Pid.DEADLINE, duration(qos.deadline_ns)),
         (Pid.LIFESPAN, duration(qos.lifespan_ns)),
         (Pid.LIVELINESS, struct.pack("<I", liveliness) + duration(qos.lease_ns)),
         (Pid.REPRESENTATION, struct.pack("<Ihh", 1, 0, 0)),
-    ]
-    if endpoint.user_data:
-        parameters.append((Pid.USER_DATA, octets(endpoint.user_data)))
-    return PL_CDR_LE + parameter_list(*parameters)
+        *own_data,
+    )
 
 
 def disposal(pid: int, guid: bytes) -> tuple[bytes, bytes]:

@@ -181,7 +181,7 @@ class Graph:
         info = publisher.info
         self.show_node(info.node)
         sample = Sample(self.now_ns, info.topic, info.type_name, cdr, info.qos, info.node)
-        if info.qos.durability == "transient_local":
+        if info.qos.is_latched:
             publisher.latched.append(sample)
         self._notify_taps(sample)
         for subscription in self._topics.receivers(info):

@@ -39,6 +39,21 @@ class Qos:
     liveliness: Literal["automatic", "manual_by_topic"] = "automatic"
     lease_ns: int | None = None
 
+    @property
+    def is_reliable(self) -> bool:
+        """Whether the reliability is RELIABLE."""
+        return self.reliability == "reliable"
+
+    @property
+    def is_latched(self) -> bool:
+        """Whether the durability is TRANSIENT_LOCAL."""
+        return self.durability == "transient_local"
+
+    @property
+    def limit(self) -> int | None:
+        """The number of messages that an endpoint keeps; None with history KEEP_ALL."""
+        return None if self.history == "keep_all" else max(1, self.depth)
+
     def row(self) -> tuple[str | int | None, ...]:
         """Return the policies in the order of the fields.
 
@@ -56,7 +71,7 @@ def find_incompatible_policy(offered: Qos, requested: Qos) -> str | None:
     Of several policies, return the one that Fast DDS reports last: the policy with the highest
     number in DDS.
     """
-    if offered.reliability == "best_effort" and requested.reliability == "reliable":
+    if requested.is_reliable and not offered.is_reliable:
         return "RELIABILITY"
     if offered.liveliness == "automatic" and requested.liveliness == "manual_by_topic":
         return "LIVELINESS"
@@ -64,7 +79,7 @@ def find_incompatible_policy(offered: Qos, requested: Qos) -> str | None:
         return "LIVELINESS"
     if (offered.deadline_ns or _INFINITE) > (requested.deadline_ns or _INFINITE):
         return "DEADLINE"
-    if offered.durability == "volatile" and requested.durability == "transient_local":
+    if requested.is_latched and not offered.is_latched:
         return "DURABILITY"
     return None
 
@@ -76,6 +91,12 @@ OWN_TOPICS = ("/rosout", "/parameter_events")
 SERVICE_TOPICS = (("rq", "Request"), ("rr", "Reply"))
 # Precedes the CDR bytes of a request or response: the client's endpoint id and the request number.
 SERVICE_HEADER = struct.Struct("<qq")
+
+
+def service_topics(name: str, type_name: str) -> tuple[tuple[str, str], tuple[str, str]]:
+    """Return the topic and the type of a service's requests, and those of its replies."""
+    requests, replies = (f"{prefix}{name}{suffix}" for prefix, suffix in SERVICE_TOPICS)
+    return (requests, f"{type_name}_Request"), (replies, f"{type_name}_Response")
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,7 +242,7 @@ class Topics:
         self._receivers.clear()
         self.subscriptions[info.id] = subscription
         self._subscriptions_by_topic.setdefault(info.topic, []).append(subscription)
-        if info.qos.durability != "transient_local":
+        if not info.qos.is_latched:
             return []
         publishers = self._publishers_by_topic.get(info.topic, ())
         samples = [sample for p in publishers if matches(p.info, info) for sample in p.latched]

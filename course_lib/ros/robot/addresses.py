@@ -103,6 +103,33 @@ def common_bits(address: str, other: str) -> int:
     return 32 - (first ^ second).bit_length()
 
 
+def bind_udp(address: str, ports: range, buffer_size: int) -> socket.socket:
+    """Return a socket on the first of some ports that is free on this computer.
+
+    Args:
+        address: Address of this computer.
+        ports: The ports to try.
+        buffer_size: Size of its buffers for sending and receiving [B].
+
+    Raises:
+        CourseError: No port is free.
+    """
+    for port in ports:
+        udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer_size)
+        udp.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, buffer_size)
+        udp.setblocking(False)
+        try:
+            udp.bind((address, port))
+            return udp
+        except OSError:
+            udp.close()
+    raise CourseError(
+        f"No UDP port from {ports[0]} to {ports[-1]} is free on {address}: end other ROS programs "
+        "on this computer, or choose another domain."
+    )
+
+
 def socket_towards(host: str, port: int) -> socket.socket:
     """Return a socket connected to a port, so that it reports an error if nothing listens there.
 

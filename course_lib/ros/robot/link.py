@@ -13,7 +13,8 @@ import re
 from _queue import SimpleQueue
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, Literal
 
 from course_lib.ros.graph.topics import Qos
@@ -46,9 +47,7 @@ OnRequest = Callable[[bytes, SendReply], None]
 
 def latched_depth(qos: Qos) -> int:
     """Return how many messages a publisher keeps, or a subscription requests, for late joiners."""
-    if qos.durability != "transient_local":
-        return 0
-    return KEEP_ALL_DEPTH if qos.history == "keep_all" else max(1, qos.depth)
+    return (qos.limit or KEEP_ALL_DEPTH) if qos.is_latched else 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,9 +92,9 @@ class Entity(ABC):
     qos: Qos = field(default_factory=Qos)
 
     @property
-    @abstractmethod
     def key(self) -> Hashable:
         """The key that identifies the entity among all entities of the network."""
+        return self.node_key, self.gid
 
     @property
     @abstractmethod
@@ -126,9 +125,17 @@ class Declaration:
 
 
 class NetworkPublisher(Declaration, ABC):
-    """A publisher of the kit on the network. All methods may be called from any thread."""
+    """A publisher of the kit on the network. All methods may be called from any thread.
 
-    topic: str
+    Args:
+        topic: The topic on which it publishes.
+        listing: Its entry in the network's graph.
+        removals: Functions that remove it from the network.
+    """
+
+    def __init__(self, topic: str, listing: Declaration, *removals: Callable[[], object]) -> None:
+        super().__init__(listing.withdraw, *removals)
+        self.topic, self._listing = topic, listing
 
     @abstractmethod
     def put(self, cdr: bytes) -> None:
@@ -138,9 +145,9 @@ class NetworkPublisher(Declaration, ABC):
     def is_matched(self) -> bool:
         """Return whether a message would reach a subscription now."""
 
-    @abstractmethod
     def hide(self) -> None:
         """Leave the network's graph, but remain able to publish a stop command that may still be needed."""
+        self._listing.withdraw()
 
 
 class NetworkClient(Declaration, ABC):
@@ -159,11 +166,12 @@ class Link(ABC):
     Zenoh does not.
     """
 
-    address: str
-    domain: int
-    actions: Actions
     peer: str
     is_qos_enforced: bool
+
+    def __init__(self, address: str, domain: int) -> None:
+        self.address, self.domain = address, domain
+        self.actions: Actions = SimpleQueue()
 
     @property
     @abstractmethod
@@ -181,6 +189,10 @@ class Link(ABC):
     @abstractmethod
     def close(self) -> None:
         """Close the connection. Further calls have no effect."""
+
+    def enqueue(self, action: Callable[..., None], *args: object) -> None:
+        """Queue an action, which the graph's thread runs. May be called from any thread."""
+        self.actions.put(partial(action, *args))
 
     def next_action(self, seconds: float) -> Action:
         """Return the next action of the queue, or wait at most `seconds` for one.
@@ -221,7 +233,6 @@ class Link(ABC):
     def node(self, name: str, namespace: str) -> Any:
         """Return a node of the kit that is not announced yet."""
 
-    @abstractmethod
     def endpoint(
         self, node: Any, kind: EntityKind, topic: str, type_name: str, qos: Qos, known_hash: str = ""
     ) -> Any:
@@ -229,6 +240,8 @@ class Link(ABC):
 
         `known_hash` is the hash of its type, if the definition may be missing on this computer.
         """
+        known_hash = known_hash or type_hash(type_name)
+        return replace(node, kind=kind, topic=topic, type_name=type_name, type_hash=known_hash, qos=qos)
 
     @abstractmethod
     def announce(self, entity: Any) -> Declaration:

@@ -681,7 +681,7 @@ class RobotGraph(Graph):
         qos, node = (publisher.info.qos, publisher.info.node) if publisher else (Qos(), 0)
         sample = Sample(self.now_ns, topic, type_name, packet.cdr, qos, node)
         is_shared = not self.link.is_qos_enforced
-        if publisher is not None and qos.durability == "transient_local" and is_shared:
+        if publisher is not None and qos.is_latched and is_shared:
             publisher.latched.append(sample)
         # If several subscriptions receive the message, taps receive it from their own subscription
         # only.

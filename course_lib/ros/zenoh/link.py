@@ -11,7 +11,6 @@ import json
 import re
 import ssl
 import struct
-from _queue import SimpleQueue
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -25,7 +24,6 @@ from course_lib.errors import CourseError, format_count
 from course_lib.ros.graph.topics import Qos, dds_type, ros_type
 from course_lib.ros.messages.definitions import type_hash
 from course_lib.ros.robot.link import (
-    Actions,
     Declaration,
     Entity,
     EntityKind,
@@ -458,20 +456,15 @@ class ZenohPublisher(NetworkPublisher):
     def __init__(
         self, link: "ZenohLink", entity: ZenohEntity, publisher: Any, probe: Any, token: Any
     ) -> None:
-        super().__init__(self.hide, partial(link.undeclare, publisher, probe))
+        listing = Declaration(partial(link.undeclare, token))
+        super().__init__(entity.topic, listing, partial(link.undeclare, publisher, probe))
         self._link, self._publisher, self._probe, self._gid = link, publisher, probe, entity.gid
-        self.topic = entity.topic
-        self._token = Declaration(partial(link.undeclare, token))
         self._sequence = itertools.count(1)
 
     def is_matched(self) -> bool:
         """Return whether a message would reach a subscription now."""
         # Zenoh's matching status outlives the loss of the router, so the link is checked as well.
         return self._link.is_up() and bool(self._removals) and bool(self._probe.matching_status.matching)
-
-    def hide(self) -> None:
-        """Leave the graph of the network, but remain able to publish."""
-        self._token.withdraw()
 
     def put(self, cdr: bytes, source_ns: int = 0) -> None:
         """Publish a message; may be called from any thread.
@@ -496,15 +489,15 @@ class ZenohClient(NetworkClient):
 
         `on_reply` is queued with the first reply, or with None if there is none.
         """
-        actions, replies = self._link.actions, itertools.count()
+        enqueue, replies = self._link.enqueue, itertools.count()
 
         def on_zenoh_reply(reply: zenoh.Reply) -> None:
             if reply.ok is not None and next(replies) == 0:
-                actions.put(partial(on_reply, bytes(reply.ok.payload)))
+                enqueue(on_reply, bytes(reply.ok.payload))
 
         def on_end() -> None:
             if next(replies) == 0:
-                actions.put(partial(on_reply, None))
+                enqueue(on_reply, None)
 
         attachment = encode_attachment(next(self._sequence), self._gid, wall.time_ns())
         handler = self._link.handlers.direct(on_zenoh_reply, on_end)
@@ -527,9 +520,8 @@ class ZenohLink(Link):
 
     def __init__(self, address: str, domain: int = 0) -> None:
         # The stored address has no token, because it may be printed.
-        self.address, self._login = split_login(address)
-        self.domain = domain
-        self.actions: Actions = SimpleQueue()
+        stored_address, self._login = split_login(address)
+        super().__init__(stored_address, domain)
         self.handlers = Handlers()
         self._driver_lock: DriverLock | None = None
         # Number of messages from an rmw_zenoh before 0.2.4.
@@ -565,11 +557,11 @@ class ZenohLink(Link):
         def on_token(sample: zenoh.Sample) -> None:
             entity = read_token(str(sample.key_expr))
             if entity is not None and entity.zid != self._zid:
-                self.actions.put(partial(on_entity, entity, sample.kind == zenoh.SampleKind.PUT))
+                self.enqueue(on_entity, entity, sample.kind == zenoh.SampleKind.PUT)
 
         def on_driver(sample: zenoh.Sample) -> None:
             if sample.kind == zenoh.SampleKind.PUT:
-                self.actions.put(partial(lock.change, *read_gateway_key(str(sample.key_expr))))
+                self.enqueue(lock.change, *read_gateway_key(str(sample.key_expr)))
 
         liveliness = self._session.liveliness()
         tokens = f"{ADMIN}/{self.domain}/**"
@@ -635,15 +627,8 @@ class ZenohLink(Link):
         self, node: ZenohEntity, kind: EntityKind, topic: str, type_name: str, qos: Qos, known_hash: str = ""
     ) -> ZenohEntity:
         """Return an endpoint of a node of the kit that is not announced yet."""
-        return replace(
-            node,
-            kind=kind,
-            id=next(self._ids),
-            topic=topic,
-            type_name=type_name,
-            type_hash=known_hash or type_hash(type_name),
-            qos=qos,
-        )
+        endpoint: ZenohEntity = super().endpoint(node, kind, topic, type_name, qos, known_hash)
+        return replace(endpoint, id=next(self._ids))
 
     def announce(self, entity: ZenohEntity) -> Declaration:
         """Announce a node, or a subscription that shares an inbox."""
@@ -655,21 +640,20 @@ class ZenohLink(Link):
         As in rmw_zenoh, it drops messages on a full link unless it keeps all.
         """
         qos = entity.qos
-        is_reliable, is_latched = qos.reliability == "reliable", qos.durability == "transient_local"
-        blocks = is_reliable and qos.history == "keep_all"
+        blocks = qos.is_reliable and qos.history == "keep_all"
         publisher = ext.declare_advanced_publisher(
             self._session,
             entity.key_expr,
             congestion_control=zenoh.CongestionControl.BLOCK if blocks else zenoh.CongestionControl.DROP,
-            reliability=zenoh.Reliability.RELIABLE if is_reliable else zenoh.Reliability.BEST_EFFORT,
+            reliability=zenoh.Reliability.RELIABLE if qos.is_reliable else zenoh.Reliability.BEST_EFFORT,
             allowed_destination=zenoh.Locality.REMOTE,
-            cache=ext.CacheConfig(max_samples=latched_depth(qos)) if is_latched else None,
+            cache=ext.CacheConfig(max_samples=latched_depth(qos)) if qos.is_latched else None,
             sample_miss_detection=(
                 ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=HEARTBEAT)
-                if is_latched and is_reliable
+                if qos.is_latched and qos.is_reliable
                 else None
             ),
-            publisher_detection=is_latched or None,
+            publisher_detection=qos.is_latched or None,
         )
         # Advanced publishers have no matching status, so an ordinary publisher provides it.
         probe = self._session.declare_publisher(entity.key_expr, allowed_destination=zenoh.Locality.REMOTE)
@@ -712,7 +696,7 @@ class ZenohLink(Link):
                     attachment = encode_attachment(sequence, gid, wall.time_ns())
                     query.reply(entity.key_expr, cdr, attachment=attachment)
 
-            self.actions.put(partial(on_request, bytes(query.payload or b""), send_reply))
+            self.enqueue(on_request, bytes(query.payload or b""), send_reply)
 
         handler = self.handlers.direct(on_query)
         queryable = self._session.declare_queryable(entity.key_expr, handler, complete=True)

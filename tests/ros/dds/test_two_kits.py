@@ -24,7 +24,8 @@ from std_msgs.msg import String
 from course_lib.displays.viewer import Viewer
 from course_lib.errors import CourseError
 from course_lib.ros.dds import participant, wire
-from course_lib.ros.dds.endpoints import FRAGMENT_SIZE, Writer
+from course_lib.ros.dds.endpoints import FRAGMENT_SIZE, Reader, Writer
+from course_lib.ros.dds.link import dds_names, user_data
 from course_lib.ros.dds.wire import Buffer, Locator
 from course_lib.ros.graph.graph import use_graph
 from course_lib.ros.graph.topics import Qos, Sample
@@ -72,10 +73,8 @@ def drop_datagrams(graph: RobotGraph, share: float, seed: int) -> None:
     participant, chance = dds_link(graph).participant, random.Random(seed)
     send: Callable[..., None] = participant.send
 
-    def lossy_send(
-        submessages: Iterable[Buffer], locators: Iterable[Locator], destination: bytes = b""
-    ) -> None:
-        send(submessages, [one for one in locators if chance.random() > share], destination)
+    def lossy_send(parts: Iterable[Buffer], locators: Iterable[Locator], prefix: bytes = b"") -> None:
+        send(parts, [one for one in locators if chance.random() > share], prefix)
 
     participant.send = lossy_send  # type: ignore[method-assign]  # the network loses them
 
@@ -147,13 +146,11 @@ def test_reply_is_delayed_until_the_client_reader_is_discovered(kits: DdsKits) -
     send: Callable[..., None] = participant.send
     is_open = False
 
-    def send_late(
-        submessages: Iterable[Buffer], locators: Iterable[Locator], destination: bytes = b""
-    ) -> None:
+    def send_late(parts: Iterable[Buffer], locators: Iterable[Locator], prefix: bytes = b"") -> None:
         # The network loses the description of the client's reader.
-        whole = b"".join(submessages)
+        whole = b"".join(parts)
         if is_open or b"rr/doubleReply" not in whole:
-            send([whole], locators, destination)
+            send([whole], locators, prefix)
 
     participant.send = send_late  # type: ignore[method-assign]  # the network loses them
     service = Service(robot, student)
@@ -227,12 +224,12 @@ def test_topic_with_mostly_incomplete_messages_is_reported(kits: DdsKits) -> Non
     send: Callable[..., None] = participant.send
 
     def lose_last_fragments(
-        submessages: Iterable[Buffer], locators: Iterable[Locator], destination: bytes = b""
+        parts: Iterable[Buffer], locators: Iterable[Locator], prefix: bytes = b""
     ) -> None:
         # Fragments are full but for the last one, which the network loses.
-        whole = b"".join(submessages)
+        whole = b"".join(parts)
         if len(whole) < 2000 or len(whole) > FRAGMENT_SIZE:
-            send([whole], locators, destination)
+            send([whole], locators, prefix)
 
     participant.send = lose_last_fragments  # type: ignore[method-assign]  # the network loses them
     out = talker(robot, "/image", IMAGE, BEST_EFFORT)
@@ -544,10 +541,13 @@ def test_topic_with_another_definition_of_its_type_is_reported(
     node = link.node("robot", "/")
     link.announce(node)
     entity = link.endpoint(node, kind, "/pose", STRING, Qos(), f"RIHS01_{'0' * 64}")
+    names = dds_names("/pose", STRING)
+    own: Writer | Reader
     if heard:
-        link.add_writer(entity, "rt/pose", "std_msgs::msg::dds_::String_", Qos())
+        own = link.participant.add_writer(*names, Qos(), user_data(entity.type_hash))
     else:
-        link.add_reader(entity, "rt/pose", "std_msgs::msg::dds_::String_", Qos(), lambda sample: None)
+        own = link.participant.add_reader(*names, Qos(), lambda sample: None, user_data(entity.type_hash))
+    link.list_endpoint(entity, own.endpoint.guid)
     kits.until(lambda: kits.lines, "a line about the type")
     (line,) = kits.lines
     assert line.startswith(f"The robot has another definition of {STRING} than this kit, so /pose ")

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from course_lib.errors import CourseError
 from course_lib.ros.dds import link, wire
-from course_lib.ros.dds.endpoints import Reader, ReceivedSample, Writer, data_submessage
+from course_lib.ros.dds.endpoints import Change, Fragments, Reader, ReceivedSample, Writer
 from course_lib.ros.dds.link import NodeEndpoints
 from course_lib.ros.dds.participant import Participant
 from course_lib.ros.dds.wire import Endpoint, Locator, ParameterList, Pid, RequestId
@@ -40,17 +40,19 @@ class Wire:
         self.sent: list[bytes] = []
         self._prefix = prefix
 
-    def send(self, submessages: Iterable[wire.Buffer], locators: object, destination: bytes = b"") -> None:
+    def send(self, parts: Iterable[wire.Buffer], locators: object, prefix: bytes = b"") -> None:
         head = wire.PROTOCOL + wire.VENDOR_ID + self._prefix
-        self.sent.append(head + b"".join(submessages))
+        self.sent.append(head + b"".join(parts))
 
 
 @given(st.integers(0, 2**62), st.sets(st.integers(0, 255)))
 def test_sequence_number_sets_survive_a_round_trip(base: int, offsets: set[int]) -> None:
     numbers = sorted(base + offset for offset in offsets)
-    data = wire.sequence_number(base) + wire.number_bitmap(base, numbers)
-    assert wire.read_sequence_number(data, 0, "<") == base
-    assert wire.read_bitmap(data, 8, base, "<") == numbers
+    sink = Wire()
+    sink.send(wire.submessage(wire.ACKNACK, 0, wire.number_set(base, numbers)), [])
+    (received,) = wire.read_datagram(sink.sent[0], PREFIX)
+    assert received.sequence_number(0) == base
+    assert received.numbers(8, base) == numbers
 
 
 @given(QOS, st.text(min_size=1, max_size=50).filter(lambda text: "\0" not in text))
@@ -81,7 +83,7 @@ def test_endpoint_descriptions_survive_a_round_trip(qos: Qos, topic: str) -> Non
 
 @pytest.mark.parametrize(("kind", "reliability"), [("writer", "reliable"), ("reader", "best_effort")])
 def test_missing_reliability_uses_the_dds_default(kind: wire.Kind, reliability: str) -> None:
-    empty = ParameterList.from_payload(wire.PL_CDR_LE + wire.parameter(Pid.SENTINEL, b""))
+    empty = ParameterList.from_payload(wire.PL_CDR_LE + wire.parameter_list())
     assert empty.qos(kind).reliability == reliability
 
 
@@ -106,8 +108,8 @@ def datagrams() -> list[bytes]:
     here: tuple[Locator, ...] = (("127.0.0.1", 1),)
     remote = Endpoint(PREFIX + b"\0\0\1\x04", "rt/a", "t", Qos(durability="transient_local"), locators=here)
     writer.match(remote)
-    writer.write(b"\0\1\0\0hello", wire.related_request(RequestId(GUID, 3)), 5)
-    writer.write(bytes(100_000), b"", 5)
+    writer.write(b"\0\1\0\0hello", wire.related_request(RequestId(GUID, 3)))
+    writer.write(bytes(100_000))
     writer.on_acknack(remote.guid, 1, [1, 2], is_final=False)
     writer.on_acknack(remote.guid, 0, [], is_final=False)
     reader = Reader(sink, Endpoint(GUID[:15] + b"\x04", "rt/a", "t", Qos()), lambda sample: None)
@@ -194,7 +196,7 @@ def test_datagram_whose_processing_is_interrupted_at_any_line_is_processed_again
             own = [report for report in dict.fromkeys(reported) if report[0] == guid]
             assert own == [(guid, True), (guid, False)], line
             assert list(dict.fromkeys(received)) == [text], line
-            assert remote not in local._remotes
+            assert remote not in local.remotes
     assert line > 100
     local.close()
 
@@ -203,10 +205,8 @@ def test_robot_whose_address_changes_receives_messages_at_its_new_address() -> N
     local = Participant(99, "127.0.0.1", lambda endpoint, has_joined: None)
     sent: list[tuple[bytes, Locator]] = []
 
-    def send(
-        submessages: Iterable[wire.Buffer], locators: Iterable[Locator], destination: bytes = b""
-    ) -> None:
-        sent.extend((b"".join(submessages), address) for address in locators)
+    def send(parts: Iterable[wire.Buffer], locators: Iterable[Locator], prefix: bytes = b"") -> None:
+        sent.extend((b"".join(parts), address) for address in locators)
 
     local.send = send  # type: ignore[method-assign]  # records the addresses
     writer = local.add_writer("rt/cmd", "t", Qos())
@@ -216,7 +216,7 @@ def test_robot_whose_address_changes_receives_messages_at_its_new_address() -> N
     subscriptions = Writer(sink, Endpoint(OTHER + wire.SUBSCRIPTIONS_WRITER, "", "", Qos()))
     subscriptions.match(Endpoint(local.prefix + wire.SUBSCRIPTIONS_READER, "", "", Qos(), locators=(here,)))
     description = wire.describe(Endpoint(guid, "rt/cmd", "t", Qos()), OTHER + wire.PARTICIPANT_ENTITY, here)
-    subscriptions.write(description, b"", 5)
+    subscriptions.write(description)
     for datagram in (joins, *sink.sent):
         local.receive(datagram, "127.0.0.1")
     # It announces the same address from new ones. At first it had the address that the link was
@@ -242,17 +242,17 @@ def life_of_a_writer(remote: bytes, local: bytes, text: bytes) -> list[bytes]:
 
     def announce(data: bytes, inline_qos: bytes = b"") -> None:
         spdp = remote + wire.SPDP_WRITER
-        sink.send(data_submessage(spdp, 1, data, inline_qos, wire.SPDP_READER), [])
+        sink.send(Change(1, data, inline_qos, 5).encode(spdp, wire.SPDP_READER), [])
 
     announce(
         wire.PL_CDR_LE
         + wire.parameter_list((Pid.PARTICIPANT, participant), (Pid.METATRAFFIC, wire.locator(here)))
     )
     publications = matched_writer(remote + wire.PUBLICATIONS_WRITER, wire.PUBLICATIONS_READER)
-    publications.write(wire.describe(Endpoint(guid, "rt/chatter", "t", Qos()), participant, here), b"", 5)
+    publications.write(wire.describe(Endpoint(guid, "rt/chatter", "t", Qos()), participant, here))
     writer = matched_writer(guid, b"\0\0\1\x04")
-    writer.write(text, b"", 5)
-    publications.write(*wire.disposal(Pid.ENDPOINT, guid), 5)
+    writer.write(text)
+    publications.write(*wire.disposal(Pid.ENDPOINT, guid))
     announce(*wire.disposal(Pid.PARTICIPANT, participant))
     return sink.sent
 
@@ -281,7 +281,7 @@ def test_repeated_heartbeats_are_acknowledged_once_for_all_messages_until_then()
 
 def acknowledgement(base: int, missing: list[int], sent: list[bytes]) -> bytes:
     """Return the datagram of an acknowledgement, with the count of the sent one."""
-    body = b"\0\0\1\x04" + GUID[12:] + wire.sequence_number(base) + wire.number_bitmap(base, missing)
+    body = b"\0\0\1\x04" + GUID[12:] + wire.number_set(base, missing)
     head = wire.PROTOCOL + wire.VENDOR_ID + OTHER
     return head + b"".join(wire.submessage(wire.ACKNACK, 0x02, body + sent[0][-4:]))
 
@@ -295,7 +295,7 @@ def test_arbitrary_discovery_message_raises_only_course_errors(cdr: bytes) -> No
 def fragment(reader: Reader, size: int, fragment_size: int, first: int = 1, number: int = 1) -> None:
     sample = ReceivedSample(b"", GUID, number, 0)
     payload = memoryview(bytes(min(size, fragment_size)))
-    reader.on_fragment(sample, first, 1, fragment_size, size, payload)
+    reader.on_fragments(sample, Fragments(first, 1, fragment_size, size), payload)
 
 
 @pytest.fixture
@@ -336,13 +336,15 @@ def test_message_is_assembled_from_fragments_in_any_order_and_grouping() -> None
     for first, count in ((7, 1), (2, 1), (3, 3), (3, 1), (6, 1), (1, 1)):
         begin = 10 * (first - 1)
         payload = message[begin : begin + 10 * count]
-        reader.on_fragment(sample, first, count, 10, 64, memoryview(payload + bytes(-len(payload) % 4)))
+        padded = memoryview(payload + bytes(-len(payload) % 4))
+        reader.on_fragments(sample, Fragments(first, count, 10, 64), padded)
     assert received == [message]
 
 
 def test_small_fragment_does_not_keep_its_datagram_in_memory(reader: Reader) -> None:
     datagram = bytes(60_000)
-    reader.on_fragment(ReceivedSample(b"", GUID, 1, 0), 1, 1, 100, 1000, memoryview(datagram)[:100])
+    fragments = Fragments(1, 1, 100, 1000)
+    reader.on_fragments(ReceivedSample(b"", GUID, 1, 0), fragments, memoryview(datagram)[:100])
     before = sys.getrefcount(datagram)
     del reader.matched[GUID].partial[1]
     assert sys.getrefcount(datagram) == before
@@ -350,7 +352,9 @@ def test_small_fragment_does_not_keep_its_datagram_in_memory(reader: Reader) -> 
 
 def test_truncated_fragment_is_rejected(reader: Reader) -> None:
     with pytest.raises(ValueError, match="fragment"):
-        reader.on_fragment(ReceivedSample(b"", GUID, 1, 0), 1, 1, 100, 1000, memoryview(bytes(99)))
+        reader.on_fragments(
+            ReceivedSample(b"", GUID, 1, 0), Fragments(1, 1, 100, 1000), memoryview(bytes(99))
+        )
 
 
 @pytest.mark.parametrize("reliability", ["reliable", "best_effort"])
@@ -397,7 +401,7 @@ def test_reader_that_restarts_with_its_guid_is_sent_heartbeats_until_it_has_ever
     sink, reader = Wire(), Endpoint(PREFIX + b"\0\0\1\x04", "rt/a", "t", Qos(durability="transient_local"))
     writer = Writer(sink, Endpoint(GUID, "rt/a", "t", Qos(durability="transient_local")))
     writer.match(reader)
-    writer.write(CDR_LE, b"", 5)
+    writer.write(CDR_LE)
     writer.on_acknack(reader.guid, 2, [], is_final=True)
     assert writer.unacknowledged_readers() == []
     # Its request for the first message is lost, so only the writer can repeat its heartbeat.
