@@ -3,7 +3,7 @@
 from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import acos, isnan, sin, sqrt
+from math import acos, inf, isnan, sin, sqrt
 from operator import attrgetter
 from typing import Any, TypeAlias
 
@@ -61,10 +61,10 @@ class Transform:
     @classmethod
     def from_message(cls, message: Any) -> "Transform":
         """Create a transform from a geometry_msgs/msg/TransformStamped."""
-        stamp, v, q = message.header.stamp, message.transform.translation, message.transform.rotation
-        stamp_ns = int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
-        place, turn = (v.x, v.y, v.z), (q.x, q.y, q.z, q.w)
-        return cls(message.header.frame_id, message.child_frame_id, stamp_ns, place, turn)
+        header, child = message.header, message.child_frame_id
+        v, q = message.transform.translation, message.transform.rotation
+        stamp_ns = int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec)
+        return cls(header.frame_id, child, stamp_ns, (v.x, v.y, v.z), (q.x, q.y, q.z, q.w))
 
     @property
     def pose(self) -> Pose:
@@ -148,10 +148,6 @@ def _rotate(rotation: Quaternion, point: Vector) -> Vector:
     px, py, pz = point
     tx, ty, tz = 2 * (y * pz - z * py), 2 * (z * px - x * pz), 2 * (x * py - y * px)
     return (px + w * tx + y * tz - z * ty, py + w * ty + z * tx - x * tz, pz + w * tz + x * ty - y * tx)
-
-
-# Tolerance of the squared norm of a quaternion.
-_NORM_TOLERANCE = 10e-3
 
 
 class NoDataError(Exception):
@@ -257,13 +253,18 @@ def rejection_messages(
     child: str,
     authority: str,
 ) -> tuple[str, ...]:
-    """Return the lines that tf2 logs if it rejects a transform."""
-    x, y, z, w = transform.rotation
-    is_unit = abs(x * x + y * y + z * z + w * w - 1.0) < _NORM_TOLERANCE
-    if is_unit and child and parent and parent != child and not isnan(sum(transform.translation)):
+    """Return the lines that tf2 logs if it rejects a transform.
+
+    tf2 checks a quaternion after its conversion through a matrix, which normalizes it and turns zeros
+    into NaN.
+    """
+    norm = sum(value * value for value in transform.rotation)
+    has_direction, is_nan = 0 < norm < inf, isnan(sum(transform.translation))
+    if has_direction and child and parent and parent != child and not is_nan:
         return ()
     by = f'from authority "{authority}"'
-    rotation = f"({x:f} {y:f} {z:f} {w:f})"
+    values = normalized(transform.rotation) if has_direction else ("nan" if norm else "-nan",) * 4
+    rotation = f"({' '.join(value if isinstance(value, str) else f'{value:f}' for value in values)})"
     translation = "({:f} {:f} {:f})".format(*transform.translation)
     rules = (
         (
@@ -278,12 +279,12 @@ def rejection_messages(
             "because frame_id not set",
         ),
         (
-            any(isnan(value) for value in (*transform.translation, *transform.rotation)),
+            is_nan or not has_direction,
             f'TF_NAN_INPUT: Ignoring transform for child_frame_id "{child}" {by} because of a nan value '
             f"in the transform {translation} {rotation}",
         ),
         (
-            not is_unit,
+            not has_direction,
             f'TF_DENORMALIZED_QUATERNION: Ignoring transform for child_frame_id "{child}" {by} because of '
             f"an invalid quaternion in the transform {rotation}",
         ),

@@ -192,7 +192,6 @@ REJECTED = {
     "TF_NO_CHILD_FRAME_ID": step("map", ""),
     "TF_NO_FRAME_ID": step("", "base"),
     "TF_NAN_INPUT": step("map", "base", at=(NAN, 0.0, 0.0)),
-    "TF_DENORMALIZED_QUATERNION": step("map", "base", rotation=(0.0, 0.0, 1.0, 1.0)),
 }
 
 
@@ -204,13 +203,24 @@ def test_invalid_transform_is_ignored_with_the_violated_rule(name: str) -> None:
     assert buffer.frames() == []
 
 
-def test_rejected_quaternion_is_included_in_the_message() -> None:
-    (complaint,) = BufferCore().set_transform(REJECTED["TF_DENORMALIZED_QUATERNION"])
-    assert complaint == (
-        'TF_DENORMALIZED_QUATERNION: Ignoring transform for child_frame_id "base" from authority '
-        '"default_authority" because of an invalid quaternion in the transform '
-        "(0.000000 0.000000 1.000000 1.000000)"
+@pytest.mark.parametrize(("value", "text"), [(0.0, "-nan"), (NAN, "nan")])
+def test_quaternion_without_a_direction_is_rejected(value: float, text: str) -> None:
+    nan_input, denormalized = BufferCore().set_transform(step("map", "base", rotation=(value,) * 4))
+    child = 'Ignoring transform for child_frame_id "base" from authority "default_authority" because of'
+    values = f"({text} {text} {text} {text})"
+    assert nan_input == (
+        f"TF_NAN_INPUT: {child} a nan value in the transform (0.000000 0.000000 0.000000) {values}"
     )
+    assert denormalized == (
+        f"TF_DENORMALIZED_QUATERNION: {child} an invalid quaternion in the transform {values}"
+    )
+
+
+@pytest.mark.parametrize("rotation", [(0.0, 0.0, 1.0, 1.0), (0.0, 0.0, -3.0, -3.0), (0.0, 0.0, 1e-3, 1e-3)])
+def test_quaternion_of_another_length_is_normalized(rotation: Quaternion) -> None:
+    buffer = BufferCore()
+    assert buffer.set_transform(step("map", "base", rotation=rotation)) == ()
+    assert buffer.lookup("map", "base").rotation == pytest.approx((0.0, 0.0, 0.5**0.5, 0.5**0.5))
 
 
 def test_loop_in_the_tree_is_an_error() -> None:

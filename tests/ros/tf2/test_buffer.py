@@ -1,4 +1,5 @@
 import re
+from collections.abc import Callable
 from math import pi
 from typing import Any
 
@@ -165,10 +166,71 @@ def test_coroutine_can_await_a_transform(started_graph: Graph, node: Node) -> No
     assert known.done()
 
 
-def test_timeout_in_seconds_is_rejected_with_the_correct_type() -> None:
-    wrong: Any = 1.0
-    with pytest.raises(TypeError, match=r"like Duration\(seconds=1.0\), not 1.0"):
-        filled().lookup_transform("map", "base", Time(), wrong)
+NONE: Any = None
+# Calls with wrong arguments, and the error of tf2 in ROS 2 Jazzy.
+WRONG_CALLS: dict[str, tuple[Callable[[Buffer], object], str]] = {
+    "timeout in seconds": (
+        lambda buffer: buffer.lookup_transform("map", "base", Time(), 1.0),  # type: ignore[arg-type]
+        "unsupported operand type(s) for +: 'Time' and 'float'",
+    ),
+    "no target frame": (
+        lambda buffer: buffer.lookup_transform(NONE, "base", Time()),
+        "argument 1 must be str, not None",
+    ),
+    "no source frame": (
+        lambda buffer: buffer.can_transform("map", NONE, Time()),
+        "argument 2 must be str, not None",
+    ),
+    "no fixed frame": (
+        lambda buffer: buffer.lookup_transform_full("map", Time(), "base", Time(), NONE),
+        "argument 5 must be str, not None",
+    ),
+    "no time": (
+        lambda buffer: buffer.wait_for_transform_async("map", "base", NONE),
+        "time must have sec and nanosec, or nanoseconds.",
+    ),
+    "no authority": (
+        lambda buffer: buffer.set_transform(stamped("map", "base"), NONE),
+        "argument 2 must be str, not None",
+    ),
+    "cache time in seconds": (
+        lambda buffer: Buffer(10.0),  # type: ignore[arg-type]
+        "duration must have sec and nanosec, or nanoseconds.",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_CALLS)
+def test_argument_of_a_wrong_type_is_rejected_as_in_tf2(name: str) -> None:
+    call, text = WRONG_CALLS[name]
+    with pytest.raises(TypeError, match=f"^{re.escape(text)}$"):
+        call(filled())
+
+
+def test_can_transform_returns_1_or_0_as_in_tf2() -> None:
+    buffer = filled()
+    answers = [buffer.can_transform("map", frame, Time()) for frame in ("base", "nowhere")]
+    assert [str(answer) for answer in answers] == ["1", "0"]
+    assert str(buffer.can_transform("map", "base", Time(), return_debug_tuple=True)) == "(1, '')"
+
+
+def test_canceled_wait_for_a_transform_gets_the_next_one_as_in_tf2() -> None:
+    buffer = Buffer()
+    future = buffer.wait_for_transform_async("map", "base", Time())
+    future.cancel()
+    buffer.set_transform(stamped("map", "base", S), "me")
+    assert future.done()
+    buffer.set_transform(stamped("map", "base", 2 * S), "me")
+    transform = future.result()
+    assert transform is not None
+    assert transform.header.stamp.sec == 1
+
+
+def test_result_of_transform_is_converted_to_a_passed_type() -> None:
+    point = PointStamped(header=Header(frame_id="base", stamp=Time(seconds=1).to_msg()))
+    assert filled().transform(point, "map", new_type=PointStamped).point.x == pytest.approx(1.0)
+    with pytest.raises(TypeException, match="not loaded or supported"):
+        filled().transform(point, "map", new_type=String)
 
 
 def test_clear_removes_dynamic_transforms_and_keeps_static_ones() -> None:

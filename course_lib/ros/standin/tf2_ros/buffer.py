@@ -42,13 +42,14 @@ class Buffer(BufferInterface):
     """
 
     def __init__(self, cache_time: Duration | None = None, node: Node | None = None) -> None:
-        self._core = tf2.BufferCore(tf2.CACHE_NS if cache_time is None else cache_time.nanoseconds)
+        self._core = tf2.BufferCore(tf2.CACHE_NS if cache_time is None else _ns(cache_time, "duration"))
         if node is not None:
             self.srv = node.create_service(FrameGraph, "tf2_frames", self._describe)
         self.clock = Clock() if node is None else node.get_clock()
         self.jump_handle = self.clock.create_jump_callback(_BACK, post_callback=self.time_jump_callback)
-        # A dict serves as an ordered set.
-        self._on_new_data: dict[Callable[[], None], None] = {}
+        # Called after each new transform. Those of futures that are done are removed afterwards.
+        self._new_data_callbacks: list[Callable[[], None]] = []
+        self._callbacks_to_remove: list[Callable[[], None]] = []
 
     def time_jump_callback(self, time_jump: TimeJump) -> None:
         """Clear the buffer."""
@@ -70,7 +71,8 @@ class Buffer(BufferInterface):
 
         Wait for it at most `timeout`.
         """
-        query = target_frame, source_frame, _ns(time)
+        _check_timeout(timeout)
+        query = _check_text(target_frame, 1), _check_text(source_frame, 2), _ns(time)
         self._wait(lambda: self._core.can_transform(*query), timeout)
         return _message(self._core.lookup(*query))
 
@@ -84,7 +86,10 @@ class Buffer(BufferInterface):
         timeout: Duration = NO_WAIT,
     ) -> TransformStamped:
         """Return the transform between two frames at two times, via a fixed frame."""
-        query = target_frame, _ns(target_time), source_frame, _ns(source_time), fixed_frame
+        _check_timeout(timeout)
+        target = _check_text(target_frame, 1), _ns(target_time)
+        source = _check_text(source_frame, 3), _ns(source_time)
+        query = *target, *source, _check_text(fixed_frame, 5)
         self._wait(lambda: self._core.can_transform_full(*query), timeout)
         return _message(self._core.lookup_full(*query))
 
@@ -96,26 +101,32 @@ class Buffer(BufferInterface):
         timeout: Duration = NO_WAIT,
         return_debug_tuple: bool = False,
     ) -> Any:
-        """Return whether a lookup would succeed and, with `return_debug_tuple`, the reason why not."""
-        query = target_frame, source_frame, _ns(time)
+        """Return whether a lookup would succeed and, with `return_debug_tuple`, the reason why not.
+
+        As in ROS, the answer is 1 or 0, not True or False.
+        """
+        _check_timeout(timeout)
+        query = _check_text(target_frame, 1), _check_text(source_frame, 2), _ns(time)
         problem = self._wait(lambda: self._core.can_transform(*query), timeout)
         time_lock.poll()
-        return (problem is None, problem or "") if return_debug_tuple else problem is None
+        answer = int(problem is None)
+        return (answer, problem or "") if return_debug_tuple else answer
 
     def wait_for_transform_async(
         self, target_frame: str, source_frame: str, time: AnyTime
     ) -> Future[TransformStamped]:
         """Return a future that is done when the transform is available."""
-        query = target_frame, source_frame, _ns(time)
+        query = _check_text(target_frame, 1), _check_text(source_frame, 2), _ns(time)
         future: Future[TransformStamped] = Future()
 
         def look() -> None:
-            if future._pending() and self._core.can_transform(*query) is None:
+            if self._core.can_transform(*query) is None:
                 future.set_result(_message(self._core.lookup(*query)))
 
-        self._on_new_data[look] = None
-        future.add_done_callback(lambda _: self._on_new_data.pop(look))
         look()
+        if not future.done():
+            self._new_data_callbacks.append(look)
+            future.add_done_callback(lambda _: self._callbacks_to_remove.append(look))
         return future
 
     async def lookup_transform_async(
@@ -149,24 +160,24 @@ class Buffer(BufferInterface):
         return response
 
     def _set(self, message: TransformStamped, authority: str, *, is_static: bool) -> None:
+        _check_text(authority, 2)
         transform = tf2.Transform.from_message(message)
         for complaint in self._core.set_transform(transform, authority, is_static):
             if complaint.startswith("TF_OLD_DATA"):
                 _log.warning(complaint)
             else:
                 _log.error(complaint)
-        for look in list(self._on_new_data):
-            look()
+        for callback in list(self._new_data_callbacks):
+            callback()
+        for callback in self._callbacks_to_remove:
+            self._new_data_callbacks.remove(callback)
+        self._callbacks_to_remove.clear()
 
     def _wait(self, ask: Callable[[], str | None], timeout: Duration) -> str | None:
         """Wait until `ask()` reports no problem, and return its last result.
 
         In a notebook cell, live nodes run during the wait.
         """
-        if not isinstance(timeout, Duration):
-            raise TypeError(
-                f"timeout must be an rclpy.duration.Duration, like Duration(seconds=1.0), not {timeout!r}"
-            )
         if timeout.nanoseconds > 0 and ask() is not None:
             graph = current_graph()
             if graph.notebook and not time_lock.is_program_thread():
@@ -183,12 +194,27 @@ class Buffer(BufferInterface):
         return ask()
 
 
-def _ns(time: AnyTime) -> int:
-    if isinstance(time, Time):
-        return time.nanoseconds
-    if isinstance(time, builtin_interfaces.msg.Time):
-        return time.sec * 10**9 + time.nanosec
-    raise TypeError("time must have sec and nanosec, or nanoseconds.")
+def _check_timeout(timeout: Duration) -> None:
+    """Raise the error of ROS's addition if the timeout is not a Duration."""
+    if not isinstance(timeout, Duration):
+        Time() + timeout
+
+
+def _check_text(value: str, position: int) -> str:
+    """Return a string, which an argument of tf2 must be."""
+    if not isinstance(value, str):
+        kind = "None" if value is None else type(value).__name__
+        raise TypeError(f"argument {position} must be str, not {kind}")
+    return value
+
+
+def _ns(time: Any, noun: str = "time") -> int:
+    """Return the nanoseconds of a time or a duration, of rclpy or a message."""
+    if hasattr(time, "sec") and hasattr(time, "nanosec"):
+        return int(time.sec) * 10**9 + int(time.nanosec)
+    if hasattr(time, "nanoseconds"):
+        return int(time.nanoseconds)
+    raise TypeError(f"{noun} must have sec and nanosec, or nanoseconds.")
 
 
 def _message(transform: tf2.Transform) -> TransformStamped:

@@ -1,6 +1,7 @@
 """The base class of buffers, and the types that they can transform."""
 
 from collections.abc import Callable
+from copy import deepcopy
 from typing import Any, ClassVar, TypeAlias, TypeVar
 
 import builtin_interfaces.msg
@@ -83,10 +84,12 @@ def _find_function(functions: dict[Any, Callable[[Any], Any]], key: Any) -> Call
 
 
 def convert(a: Any, b_type: type[Obj]) -> Obj:
-    """Convert an object to another type, directly or through a message."""
+    """Convert an object to another type, directly or through a message; copy one of that type."""
     registry = ConvertRegistration()
     if (type(a), b_type) in registry._convert:
         converted: Obj = registry.get_convert((type(a), b_type))(a)
+    elif type(a) is b_type:
+        converted = deepcopy(a)
     else:
         converted = registry.get_from_msg(b_type)(registry.get_to_msg(type(a))(a))
     return converted
@@ -120,8 +123,16 @@ class BufferInterface:
         """Return whether a lookup would succeed. Subclasses must override it."""
         raise NotImplementedException
 
-    def transform(self, object_stamped: Obj, target_frame: str, timeout: Duration = NO_WAIT) -> Obj:
+    def transform(
+        self,
+        object_stamped: Obj,
+        target_frame: str,
+        timeout: Duration = NO_WAIT,
+        new_type: type[Any] | None = None,
+    ) -> Any:
         """Transform a message with a header into another frame, at the time of its stamp.
+
+        The result is converted to `new_type`, if one is passed.
 
         Raises:
             TypeException: The type is not registered; `import tf2_geometry_msgs` registers its
@@ -130,5 +141,5 @@ class BufferInterface:
         do_transform = TransformRegistration().get(type(object_stamped))
         header: Header = getattr(object_stamped, "header")  # noqa: B009  # Obj is any type with a header
         transform = self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout)
-        transformed: Obj = do_transform(object_stamped, transform)
-        return transformed
+        transformed = do_transform(object_stamped, transform)
+        return transformed if new_type is None else convert(transformed, new_type)

@@ -23,4 +23,4 @@ class TransformBroadcaster:
 
 def as_list(transform: Transforms) -> list[TransformStamped]:
     """Return one or more transforms as a list."""
-    return [transform] if isinstance(transform, TransformStamped) else list(transform)
+    return list(transform) if isinstance(transform, Iterable) else [transform]
