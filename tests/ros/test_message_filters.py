@@ -1,3 +1,5 @@
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import pytest
@@ -133,3 +135,13 @@ def test_exception_in_a_callback_leaves_the_synchronizer_usable() -> None:
         send(left, seconds)
         with pytest.raises(ZeroDivisionError):
             send(right, seconds)
+
+
+@pytest.mark.parametrize("kind", [TimeSynchronizer, partial(ApproximateTimeSynchronizer, slop=0.1)])
+def test_set_stays_in_the_queues_until_its_callback_has_returned(kind: Callable[..., Any]) -> None:
+    sources = [SimpleFilter(), SimpleFilter()]
+    synchronizer, lengths = kind(sources, 3), list[list[int]]()
+    synchronizer.registerCallback(lambda *messages: lengths.append([*map(len, synchronizer.queues)]))
+    for source in sources:
+        send(source, 1.0)
+    assert (lengths, [*map(len, synchronizer.queues)]) == ([[1, 1]], [0, 0])

@@ -150,9 +150,13 @@ class TimeSynchronizer(SimpleFilter):
             del queue[min(queue)]
 
     def _signal(self, stamps: Sequence[int]) -> None:
-        """Remove one message from each queue and forward the set."""
-        pairs = zip(self.queues, stamps, strict=True)
-        self.signalMessage(*[queue.pop(stamp) for queue, stamp in pairs])
+        """Forward one message of each queue, and then remove the set, even if a callback raises."""
+        pairs = list(zip(self.queues, stamps, strict=True))
+        try:
+            self.signalMessage(*[queue[stamp] for queue, stamp in pairs])
+        finally:
+            for queue, stamp in pairs:
+                del queue[stamp]
 
 
 class ApproximateTimeSynchronizer(TimeSynchronizer):
