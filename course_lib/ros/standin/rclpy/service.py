@@ -92,6 +92,11 @@ class ServiceEnd(Entity):
         self.__ends[0].require()
         if not isinstance(clock, Clock):
             raise AttributeError(f"'{type(clock).__name__}' object has no attribute 'handle'")
+        if not isinstance(introspection_state, ServiceIntrospectionState):
+            raise TypeError(
+                "configure_introspection(): incompatible function arguments. The state must be a "
+                f"ServiceIntrospectionState, not {introspection_state!r}."
+            )
         if self.__events is not None:
             self.__events.close()
         self.__events = None

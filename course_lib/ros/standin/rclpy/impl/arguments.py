@@ -85,23 +85,24 @@ def parse(args: Sequence[str]) -> Arguments:
         UnknownROSArgsError: There are arguments that ROS does not know.
     """
     parsed, unknown = Arguments(), list[str]()
-    arguments = (word for word, is_for_ros in _split(args) if is_for_ros)
-    for word in (word for word, is_for_ros in _split(args) if not is_for_ros):
-        remap = _ros_1_remap(word)
-        if remap is not None:
-            parsed.remaps.append(remap)
-            parsed.warnings.append(
-                f"Found remap rule '{word}'. This syntax is deprecated. "
-                f"Use '--ros-args --remap {word}' instead."
-            )
-    for word in arguments:
+    words = _split(args)
+    for word, is_for_ros in words:
+        if not is_for_ros:
+            remap = _ros_1_remap(word)
+            if remap is not None:
+                parsed.remaps.append(remap)
+                parsed.warnings.append(
+                    f"Found remap rule '{word}'. This syntax is deprecated. "
+                    f"Use '--ros-args --remap {word}' instead."
+                )
+            continue
         flag = _FLAGS.get(word, word)
         if flag not in _WORDS:
             unknown.append(word)
             continue
         kind, missing = _WORDS[flag]
-        value = next(arguments, None)
-        if value is None:
+        value, is_its_value = next(words, ("", False))
+        if not is_its_value:
             raise RCLInvalidROSArgsError(f"{INVALID_ARGUMENTS}Couldn't parse trailing {word} flag. {missing}")
         try:
             _add(parsed, flag, value)
@@ -202,7 +203,9 @@ def _check_remap(match: str, to: str) -> None:
         elif match == "__ns":
             names.validate_namespace(to)
         else:
-            names.validate_topic_name(match)
-            names.validate_topic_name(to)
+            for name in (match, to):
+                names.validate_topic_name(name)
+                if "//" in name or "{" in name:
+                    raise ValueError(f"{name!r} contains // or a substitution")
     except NameValidationException as error:
         raise ValueError(str(error)) from error
