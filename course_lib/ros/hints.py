@@ -421,7 +421,7 @@ def _tf_hint(error: BaseException, text: str) -> str:
             "the first argument is a message with a header, the second one the transform: "
             "`tf2_geometry_msgs.do_transform_point(point, transform)`."
         )
-    if isinstance(error, AttributeError) and re.search(r"\bBuffer\(\s*(self|node)\b", line):
+    if text.startswith("duration must have") and re.search(r"\bBuffer\(\s*(self|node)\b", line):
         return (
             "a buffer takes no node: `Buffer()`. The listener does, `TransformListener(self.buffer, self)`."
         )
@@ -568,8 +568,6 @@ def _loop_hint(error: BaseException, text: str) -> str:
         if any(one.opname.startswith(("BINARY_OP", "INPLACE_ADD")) for one in code):
             return "+= adds all items of a list. `items.append(item)` adds a single item."
     types = _types_in_error(f"'{match[1]}' object has no attribute")
-    if types and any(one.f_code.co_name == "sendTransform" for one, _ in walk_tb(error.__traceback__)):
-        return f"sendTransform takes a TransformStamped, or a list of them, and this is a {match[1]}."
     lists = [f.name for name in types[:1] for f in definition(name).fields if f.container != "scalar"]
     if types and len(lists) == 1:
         return f"a {match[1]} is not a list, but has one: loop over its field {lists[0]}."

@@ -67,8 +67,9 @@ FRAMES = [
     ),
     (
         "TransformBroadcaster(node).sendTransform(PoseStamped())",
-        "TypeError: 'PoseStamped' object is not iterable",
-        "sendTransform takes a TransformStamped, or a list of them, and this is a PoseStamped.",
+        "AssertionError: The 'transforms' field must be a set or sequence and each value of type "
+        "'TransformStamped'",
+        "sendTransform takes a TransformStamped, or a list of them.",
     ),
     (
         "from tf2_ros import TransformListener\nTransformListener(node)",
@@ -76,8 +77,13 @@ FRAMES = [
         "a listener fills a buffer: `TransformListener(self.buffer, self)`, after `self.buffer = Buffer()`.",
     ),
     (
+        "Buffer(10.0)",
+        "TypeError: duration must have sec and nanosec, or nanoseconds.",
+        "pass a Duration of rclpy: `Buffer(Duration(seconds=10.0))`.",
+    ),
+    (
         "Buffer(node)",
-        "AttributeError: 'Node' object has no attribute 'nanoseconds'",
+        "TypeError: duration must have sec and nanosec, or nanoseconds.",
         "a buffer takes no node: `Buffer()`. The listener does, `TransformListener(self.buffer, self)`.",
     ),
     (
