@@ -110,7 +110,7 @@ def router(
     ] = 7447,
     folder: Annotated[Path, typer.Option(help="The folder that stores the tokens.")] = Path("course_router"),
 ) -> None:
-    """Run a gateway: all students receive a robot's messages, and one at a time drives the robot."""
+    """Run a gateway: all students receive a robot's messages, and one student at a time drives it."""
     from course_lib.ros.robot.connect import require_zenoh
 
     require_zenoh("A gateway needs them, because students connect to it over Zenoh.")
@@ -131,7 +131,7 @@ authors = typer.Typer()
 
 @authors.command()
 def new(
-    kind: Annotated[str, typer.Argument(help="week09, or the word course.")],
+    kind: Annotated[str, typer.Argument(help="A week like week09, or the word course.")],
     title: Annotated[str, typer.Argument(help='The title, such as "Occupancy maps".')],
 ) -> None:
     """Write the files of a new week or of a new course, which already run."""
@@ -151,7 +151,7 @@ def new(
 
 @authors.command()
 def verify(
-    weeks: Annotated[list[str] | None, typer.Argument(help="week09 …; default: all.")] = None,
+    weeks: Annotated[list[str] | None, typer.Argument(help="Weeks like week09; default: all.")] = None,
     jobs: Annotated[int | None, typer.Option(min=1, help="Number of notebooks that run in parallel.")] = None,
 ) -> None:
     """Test each week's answers, checks, quiz and lesson before students use them."""
@@ -232,7 +232,7 @@ Graded = Annotated[Path, typer.Argument(help="The folder in which `course grade`
 @classes.command()
 def feedback(
     out: Graded,
-    lms: Annotated[str, typer.Option(help="moodle or canvas.")],
+    lms: Annotated[str, typer.Option(help="The platform: moodle or canvas.")],
     exercise: Annotated[str, typer.Option(help="Only this exercise, week01_exercise.")] = "",
     section: Annotated[str, typer.Option(help="Only this section; with --roster.")] = "",
     roster: Roster = None,
@@ -261,7 +261,7 @@ def report(
 
 @classes.command()
 def gradescope(
-    week: Annotated[str, typer.Argument(help="week01.")],
+    week: Annotated[str, typer.Argument(help="A week like week01.")],
     out: Annotated[Path, typer.Option(help="The zip to upload to Gradescope.")] = Path("autograder.zip"),
     roster: Roster = None,
     hidden: Annotated[
@@ -355,7 +355,7 @@ def collect(
         typer.Option(help="Further times of submission: a CSV, or JSON of Canvas's API; can be repeated."),
     ] = None,
     time_zone: Annotated[
-        str, typer.Option(help="The time zone of the platform's times; default: that of the course.")
+        str, typer.Option(help="The time zone of the platform's times; default: the course's time zone.")
     ] = "",
     exercise: Annotated[
         str,
@@ -456,7 +456,7 @@ def mark(
     comment_column: Annotated[
         str, typer.Option(help='With --lms: the heading for comments, "Feedback comments" of Moodle.')
     ] = "",
-    section: Annotated[str, typer.Option(help="With --lms: only rows of this section; with --roster.")] = "",
+    section: Annotated[str, typer.Option(help="With --lms and --roster: only rows of this section.")] = "",
     roster: Annotated[
         Path | None, typer.Option(help="With --section: the class list: id,name,email,section,group,login.")
     ] = None,
