@@ -452,15 +452,15 @@ class Flaw:
     Args:
         aspect: A key of ASPECTS.
         text: What was found and what was expected.
-        place: The file, with the line if it is known.
+        location: The file, with the line if it is known.
     """
 
     aspect: str
     text: str
-    place: str = ""
+    location: str = ""
 
     def __str__(self) -> str:
-        return f"{self.place}: {self.text}" if self.place else self.text
+        return f"{self.location}: {self.text}" if self.location else self.text
 
 
 # The row of notebooks that do not belong to a week.
@@ -598,7 +598,7 @@ def misspelled_names(
     checks = [check for scenario in scenarios for check in scenario.checks]
     for check in (one for whole in checks for one in (whole, *whole.requires)):
         if check.origin is not None and (text := _misspelling(task, check.origin, types)):
-            yield Flaw("fields", f"{task.id}: {text}", check.origin.place)
+            yield Flaw("fields", f"{task.id}: {text}", check.origin.location)
 
 
 def _misspelling(task: Task, origin: Origin, types: Mapping[tuple[str, str], str]) -> str:

@@ -87,7 +87,7 @@ class WeekRehearsals:
         self._failed: set[Key] = set()
         self._checks: dict[Key, CheckResult] = {}
         self._locations = {
-            (task.id, scenario.name, number): check.origin.place
+            (task.id, scenario.name, number): check.origin.location
             for task in self._tasks
             for scenario in self._scenarios(task)
             for number, check in enumerate(scenario.checks)

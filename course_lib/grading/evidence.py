@@ -277,7 +277,7 @@ class Origin:
 
     check_function: str
     arguments: Mapping[str, Any]
-    place: str  # like "exercises/checks/week01.py line 12"
+    location: str  # like "exercises/checks/week01.py line 12"
 
 
 @dataclass(frozen=True)

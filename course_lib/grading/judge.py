@@ -169,7 +169,7 @@ def _location(check: Check, error: Exception) -> str:
     code = getattr(check.judge, "__code__", None)
     if check.origin is None and code is not None:
         return f"{'/'.join(Path(code.co_filename).parts[-3:])} line {code.co_firstlineno}: "
-    return f"{check.origin.place}: " if check.origin else ""
+    return f"{check.origin.location}: " if check.origin else ""
 
 
 def _row(check: Check, run: Run, verdict: Verdict) -> CheckResult:

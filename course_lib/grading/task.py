@@ -179,7 +179,7 @@ class Task:
         for check in (one for scenario in self.scenarios for one in scenario.checks):
             if check.origin and check.origin.check_function.startswith("expect_launch_"):
                 subject = (
-                    f"{self.id}, kind {self.kind!r}: {check.origin.check_function} at {check.origin.place}"
+                    f"{self.id}, kind {self.kind!r}: {check.origin.check_function} at {check.origin.location}"
                 )
                 _require(self.kind == "launch", f"{subject} needs kind 'launch', which runs the launch file")
         for name, options in self.personal.items():

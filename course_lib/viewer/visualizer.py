@@ -514,17 +514,17 @@ class Visualizer(meshcat.Visualizer):  # type: ignore[misc]  # meshcat has no ty
     """A meshcat.Visualizer that draws into a scene: ``MeshcatVisualizer.initViewer(viewer=...)``."""
 
     # The path as a string, as the scene uses it.
-    __slots__ = ("place",)
+    __slots__ = ("scene_path",)
 
     def __init__(self, scene: Scene) -> None:
         super().__init__(window=Window(scene))
-        self.place = "/".join(self.path.entries)
+        self.scene_path = "/".join(self.path.entries)
 
     @staticmethod
     def view_into(window: Window, path: Path) -> "Visualizer":
         """Return a Visualizer for the subtree at a path."""
         part = Visualizer.__new__(Visualizer)
-        part.window, part.path, part.place = window, path, "/".join(path.entries)
+        part.window, part.path, part.scene_path = window, path, "/".join(path.entries)
         return part
 
     def __getitem__(self, path: str) -> "Visualizer":
@@ -532,7 +532,7 @@ class Visualizer(meshcat.Visualizer):  # type: ignore[misc]  # meshcat has no ty
 
     def set_transform(self, matrix: npt.ArrayLike = _IDENTITY) -> None:
         """Set the transform from this part to its parent, shape (4, 4), in [m]."""
-        self.window.place(self.place, matrix)
+        self.window.place(self.scene_path, matrix)
 
     def set_cam_pos(self, value: npt.ArrayLike) -> None:
         """Move the camera's eye to a point (x, y, z) in [m], like meshcat 0.3.3."""

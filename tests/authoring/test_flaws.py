@@ -163,7 +163,7 @@ def test_fault_visible_when_answers_run_is_reported(
 ) -> None:
     found = [flaw for flaw in reports[week].flaws if flaw.aspect == aspect]
     place = place.replace("week09", week)
-    assert [f for f in found if text in f.text and place in f.place], list(map(str, reports[week].flaws))
+    assert [f for f in found if text in f.text and place in f.location], list(map(str, reports[week].flaws))
 
 
 WEIGHTLESS = """import dataclasses
@@ -213,7 +213,7 @@ def test_fault_visible_when_files_are_read_is_reported(
         change(*one)
     reports = {report.week: report for report in verify(course, jobs=1)}
     found = [flaw for flaw in reports["week09"].flaws if flaw.aspect == aspect]
-    assert [flaw for flaw in found if text in flaw.text and place in flaw.place], list(map(str, found))
+    assert [flaw for flaw in found if text in flaw.text and place in flaw.location], list(map(str, found))
 
 
 # original text of the answers, faulty text, and the message that is reported without a run

@@ -33,7 +33,7 @@ def test_undefined_question_is_reported(
 ) -> None:
     change(file, old, new)
     flaws = [flaw for flaw in page_flaws("week09", course) if flaw.aspect == "quiz"]
-    assert [flaw for flaw in flaws if text in flaw.text and file in flaw.place], list(map(str, flaws))
+    assert [flaw for flaw in flaws if text in flaw.text and file in flaw.location], list(map(str, flaws))
 
 
 # original text of the lesson, faulty text, and the reported message

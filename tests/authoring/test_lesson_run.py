@@ -34,7 +34,7 @@ def test_raising_cell_is_reported(tmp_path: Path, cells: list[str], message: str
     path = tmp_path / "week09_maps.ipynb"
     write_notebook(path, [FIRST, *cells])
     (flaw,) = run_lesson(path)
-    assert (flaw.aspect, flaw.place) == ("lesson", str(path))
+    assert (flaw.aspect, flaw.location) == ("lesson", str(path))
     assert message in flaw.text
 
 

@@ -424,7 +424,7 @@ class Store:
         for arrival in download.arrivals():
             if _is_stamp(arrival, download.layout):
                 download_name = download.layout.read(arrival.components)
-                path = self.out.joinpath(download_name.student, *download_name.place)
+                path = self.out.joinpath(download_name.student, *download_name.path_in_folder)
                 write_atomically(path, arrival.data)
             elif item := items_by_path.get(arrival.components):
                 try:
@@ -442,7 +442,7 @@ class Store:
     def _store(self, arrival: ReceivedFile, item: DownloadedFile) -> None:
         download_name, collection, rows = item.download_name, self.collection, self.collection.rows
         student = self.exports.student(download_name)
-        *folders, name = download_name.place
+        *folders, name = download_name.path_in_folder
         if item.kind == "notebook":
             name = re.sub(r"(\.ipynb)?\.(txt|json)$", ".ipynb", name, flags=re.IGNORECASE)
         # Never overwrite a file that has different content.

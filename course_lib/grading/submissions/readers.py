@@ -154,7 +154,7 @@ class DownloadName:
     is_named: bool = False
 
     @property
-    def place(self) -> Components:
+    def path_in_folder(self) -> Components:
         """The path in the student's folder without archives, because notebooks refer to files by folder."""
         return (*(part for part in self.below[:-1] if not is_zip(part)), *self.below[-1:])
 

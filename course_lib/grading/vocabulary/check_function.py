@@ -123,8 +123,8 @@ def check_function(title: str) -> Callable[[Find[Given]], Callable[Given, Check]
             values.apply_defaults()
             check_arguments(find.__name__, list(signature.parameters.values())[1:], values.arguments)
             called = sys._getframe(1)
-            place = f"{called.f_code.co_filename} line {called.f_lineno}"
-            origin = Origin(find.__name__, values.arguments, place)
+            location = f"{called.f_code.co_filename} line {called.f_lineno}"
+            origin = Origin(find.__name__, values.arguments, location)
             full = title.format(**values.arguments, given=join_words(list(kwargs)) or "is there")
             return Check(full, judge, origin=origin)
 

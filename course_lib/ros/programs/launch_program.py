@@ -465,7 +465,9 @@ class LaunchProgram(Process):
                 reason = "" if self._is_strict else _skip_reason(entity, error)
                 if not reason:
                     # The location at which the innermost failing action was created.
-                    location = getattr(entity, "place", None) or getattr(parent, "place", None)
+                    location = getattr(entity, "_course_location", None) or getattr(
+                        parent, "_course_location", None
+                    )
                     if location is not None and not hasattr(error, "launch_place"):
                         error.launch_place = location  # type: ignore[attr-defined]
                     raise
@@ -483,8 +485,8 @@ class LaunchProgram(Process):
             text = f"{text.partition(': ')[0]} (see above)."
         # The location and the type of the action, as the launch file writes it.
         name = action.origin if isinstance(action, Placeholder) else type(action).__name__
-        if action.place is not None:
-            file, line = action.place
+        if action._course_location is not None:
+            file, line = action._course_location
             name = f"{Path(file).name}, line {line}: {name}"
         self.log("WARNING", "launch", f"{name} is left out: {text}")
         is_known = action in self._skipped or len(self._skipped) > _MAX_SKIPPED

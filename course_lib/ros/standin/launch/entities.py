@@ -192,7 +192,7 @@ class Action(LaunchDescriptionEntity):
     ) -> None:
         self._do, self.condition = do, condition
         # The (file, line) of the launch file that creates the action, for error messages.
-        self.place = _place_in_launch_file()
+        self._course_location = _location_in_launch_file()
 
     def visit(self, context: LaunchContext) -> Entities | None:
         """Execute the action unless its condition is false."""
@@ -214,7 +214,7 @@ class Action(LaunchDescriptionEntity):
         return None if self._do is None else self._do(context)
 
 
-def _place_in_launch_file() -> tuple[str, int] | None:
+def _location_in_launch_file() -> tuple[str, int] | None:
     """Return the innermost call site in a launch file, or None.
 
     That is code outside of the kit, Python and its libraries, or a launch file that the kit ships.
@@ -239,7 +239,7 @@ class LaunchDescription(LaunchDescriptionEntity):
     ) -> None:
         self.entities = require_entity_list("LaunchDescription", initial_entities)
         self.deprecated_reason = deprecated_reason
-        self.place = _place_in_launch_file()
+        self._course_location = _location_in_launch_file()
 
     def visit(self, context: LaunchContext) -> Entities:
         """Return the entities. Log a warning if the description is deprecated."""

@@ -249,7 +249,7 @@ def _action(entity: Entity) -> Action:
         other = other or f". There are: {', '.join(sorted(ELEMENTS))}"
         raise entity.error(f"there is no such element{other}")
     assert isinstance(action, Action)
-    action.place = (str(_file.get()), entity.line)
+    action._course_location = (str(_file.get()), entity.line)
     return action
 
 
