@@ -4,8 +4,9 @@ import os
 from pathlib import Path
 
 import pytest
+from playwright.sync_api import expect
 
-from tests.browser.jupyterlab import Lab, opened
+from tests.browser.jupyterlab import Lab, Notebook, opened
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
@@ -31,3 +32,19 @@ def test_lessons_and_exercises_are_listed_first_with_untruncated_file_names(lab:
     assert len(lessons) > 15
     assert [*listed].index("a_layout.rviz") > max([*listed].index(name) for name in lessons)
     assert [name for name in lessons if listed[name]] == []
+
+
+def test_file_browser_of_a_narrow_window_is_folded_once_when_a_notebook_opens(lab: Lab) -> None:
+    page = lab.new_page(viewport={"width": 683, "height": 384})  # [px], as a zoom of 200 % makes it
+    folder = lab.student_folder("narrow")
+    notebook = Notebook(page, lab.address, folder, "week00_welcome.ipynb")
+    files = page.locator("#filebrowser")
+    files.wait_for(state="hidden")
+    if PICTURES:
+        page.screenshot(path=Path(PICTURES) / "file_browser_narrow.png")
+    page.evaluate("jupyterapp.shell.expandLeft()")
+    files.wait_for()
+    notebook.leave_for("week01_exercise.ipynb")
+    expect(files).to_be_visible()
+    notebook.end()
+    page.close()

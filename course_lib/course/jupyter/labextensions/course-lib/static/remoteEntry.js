@@ -18,6 +18,7 @@
   const CODE_COLUMNS = 88; // of code that stay readable beside a view
   const NOTEBOOK_SHARE = 0.6; // of the notebook, where a view is beside it
   const MIN_VIEW_WIDTH = 420; // [px] width of a view beside the notebook
+  const NARROW_WINDOW = 900; // [px] width of a window of which the file browser would take a third or more
   const PANEL_TITLE = "RViz"; // in the title of a panel with a view
 
   /** Modules that JupyterLab shares: name, version, entry. */
@@ -358,6 +359,18 @@
     });
   }
 
+  /** Fold the file browser once, when the first notebook of a narrow or enlarged page opens. */
+  function foldInNarrowWindow(app, tracker) {
+    let isDone = false; // later it is the user's choice
+    const fold = (notebook) => {
+      if (isDone || !notebook || window.innerWidth >= NARROW_WINDOW) return;
+      isDone = true;
+      app.restored.then(() => app.shell.leftCollapsed || app.shell.collapseLeft());
+    };
+    fold(tracker.currentWidget);
+    tracker.currentChanged.connect((_, notebook) => fold(notebook));
+  }
+
   async function createPlugin() {
     const [{ IRenderMimeRegistry }, { INotebookTracker }, base] = await Promise.all(
       ["@jupyterlab/rendermime", "@jupyterlab/notebook", "@jupyter-widgets/base"].map(shared),
@@ -372,6 +385,7 @@
         const showEnded = showSavedWithoutWidget(app, rendermime, tracker);
         showSavedIfUntrusted(app, rendermime, tracker);
         arrangePanels(app, tracker);
+        foldInNarrowWindow(app, tracker);
         const watch = (panel) => {
           queueSaves(panel.context);
           panel.context.saveState.connect((_, state) => state === "started" && savePictures(panel));
