@@ -510,16 +510,19 @@ def _check_bag(path: Path) -> None:
         raise CourseError(f"There is no bag {path}. `course run FILE.py --bag {path}` records one.")
     if is_data_file(path) or (path.is_dir() and ((path / METADATA).is_file() or data_files(path))):
         return
-    if path.suffix == ".bag" and path.is_file():
+    file = min(path.glob("*.bag"), default=path)
+    if file.suffix == ".bag" and file.is_file():
         raise CourseError(
-            f"{path} is a bag of ROS 1. Convert it into a bag of ROS 2 first: "
-            f"rosbags-convert --src {path} --dst {path.stem}"
+            f"{file} is a bag of ROS 1. Convert it into a bag of ROS 2 first: "
+            f"rosbags-convert --src {file} --dst {file.stem}"
         )
     if path.suffix == ".zstd" and path.is_file():
         raise CourseError(
             f"{path} is a compressed file of a bag. Give the folder with its {METADATA}, or unpack "
             f"the file first: zstd -d {path}"
         )
+    if path.suffix == ".zip" and path.is_file():
+        raise CourseError(f"{path} is an archive. Unpack it, and pass the folder of the bag in it.")
     kind = "a folder" if path.is_dir() else "a file"
     raise CourseError(
         f"{path} is {kind} but not a bag. Pass the folder of a bag, which contains {METADATA}, or "

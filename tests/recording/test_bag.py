@@ -92,7 +92,8 @@ def test_unwritable_bag_folder_is_reported(tmp_path: Path) -> None:
 
 def test_unknown_type_in_a_bag_is_reported(tmp_path: Path) -> None:
     stranger = Sample(START, "/x", "my_msgs/msg/Thing", b"", Qos(), node=0)
-    with pytest.raises(CourseError, match="No message type 'my_msgs/msg/Thing'"):
+    advice = "put the folder of the package my_msgs, with its msg/Thing.msg, beside the program"
+    with pytest.raises(CourseError, match=f"No message type 'my_msgs/msg/Thing' here: {advice}"):
         write_bag(Recording((stranger,)), tmp_path / "bag")
 
 
@@ -113,6 +114,7 @@ def test_path_that_is_not_a_bag_is_rejected(tmp_path: Path) -> None:
     ("name", "advice"),
     [
         ("drive.bag", r"a bag of ROS 1\. .*: rosbags-convert --src .*drive\.bag --dst drive$"),
+        ("drive.zip", r"drive\.zip is an archive\. Unpack it, and pass the folder of the bag in it\.$"),
         ("drive_0.mcap.zstd", r"a compressed file of a bag\. .*: zstd -d .*drive_0\.mcap\.zstd$"),
     ],
 )
@@ -122,6 +124,12 @@ def test_bag_in_another_container_is_rejected_with_the_command_to_convert_it(
     (tmp_path / name).write_bytes(b"x")
     with pytest.raises(CourseError, match=advice):
         read_bag(tmp_path / name)
+
+
+def test_folder_with_a_bag_of_ros_1_is_rejected_with_the_command_to_convert_it(tmp_path: Path) -> None:
+    (tmp_path / "drive.bag").write_bytes(b"#ROSBAG V2.0\n")
+    with pytest.raises(CourseError, match=r"drive\.bag is a bag of ROS 1\. .* --dst drive$"):
+        read_bag(tmp_path)
 
 
 @pytest.mark.parametrize("in_folder", [False, True])

@@ -6,6 +6,7 @@ The fields come from rosbags' type store and from the kit's interface files.
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, cast
@@ -191,11 +192,23 @@ def definition(type_name: str) -> MessageDefinition:
     if service != type_name and f"{service}_Request" in definitions:
         definitions[type_name] = event_definition(service)
     if type_name not in definitions:
-        meant = did_you_mean(type_name, definitions, 3) or ". Written like visualization_msgs/msg/Marker."
-        raise CourseError(f"No message type {type_name!r} here{meant}")
+        raise CourseError(f"No message type {type_name!r} here{_describe_unknown(type_name)}")
     if type_name in UNSUPPORTED:
         raise CourseError(UNSUPPORTED[type_name])
     return _parse_definition(type_name)
+
+
+def _describe_unknown(type_name: str) -> str:
+    """Return how to add the package of an unknown type, or the closest names, to append to a sentence."""
+    package, kind, name = (*type_name.split("/"), "", "")[:3]
+    known_packages = {one.split("/")[0] for one in field_definitions()}
+    # A package with a name of its own is custom, as in a bag of another workspace.
+    if name and not get_close_matches(package, known_packages, cutoff=0.85):
+        return (
+            f": put the folder of the package {package}, with its {kind}/{name}.{kind}, beside the program, "
+            "or into the workspace's src."
+        )
+    return did_you_mean(type_name, field_definitions(), 3) or ". Written like visualization_msgs/msg/Marker."
 
 
 def _parse_definition(type_name: str) -> MessageDefinition:
