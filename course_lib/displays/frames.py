@@ -78,6 +78,18 @@ class Frames:
                 self._known[key] = None
         return self._known[key]
 
+    def pose_value(self, label: str, frame: str, target: str = "") -> Any:
+        """Return a frame's ``Position`` or ``Orientation`` (x, y, z, w) as rows show it, or "" if unknown.
+
+        It is relative to the target or, without one, to the fixed frame.
+        """
+        try:
+            transform = self.buffer.lookup(target or self.fixed_frame, frame)
+        except TransformException:
+            return ""
+        numbers = transform.translation if label.endswith("Position") else transform.rotation
+        return tuple(round(number, 6) for number in numbers)
+
     def problem(self, frame: str, stamp_ns: int = 0) -> str | None:
         """Return RViz's reason why a transform is unknown; None if it is known."""
         error = self.buffer.can_transform(self.fixed_frame, frame, stamp_ns)

@@ -227,8 +227,10 @@ class PropertyHolder(KnownAttributes):
         self.properties = tuple(p for p in self.properties if p in class_properties or p.path[0] != label)
 
     def __getitem__(self, label: str) -> Any:
+        """Return a property; measured values are functions, which are called on access."""
         is_exact = label in self._values
-        return self._values[label if is_exact else self._property(label).label]
+        value = self._values[label if is_exact else self._property(label).label]
+        return value() if callable(value) else value
 
     # Hidden from mypy, for which every attribute would exist.
     if not TYPE_CHECKING:
@@ -247,6 +249,10 @@ class PropertyHolder(KnownAttributes):
     def is_shown(self, prop: Property) -> bool:
         """Return whether the panel has a row for a property. RViz hides rows without an effect."""
         return all(values and self[label] in values for label, *values in prop.shown_if)
+
+    def is_expanded(self, path: tuple[str, ...]) -> bool:
+        """Return whether the row at a path shows the rows below it, until the user collapses it."""
+        return False
 
     @classmethod
     def describe(cls, prop: Property) -> str:

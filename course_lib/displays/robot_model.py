@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from math import cbrt, pi
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -13,7 +14,7 @@ import numpy.typing as npt
 from course_lib.arrays import Floats, Matrix
 from course_lib.displays.display import Display, TopicDisplay, node_name, qos_properties
 from course_lib.displays.frames import NS
-from course_lib.displays.properties import NEVER, Property, flag, number, text, words
+from course_lib.displays.properties import NEVER, Property, flag, number, read_only, text, words
 from course_lib.displays.shapes import axes
 from course_lib.errors import CourseError
 from course_lib.robots.kinematics import link_poses
@@ -374,8 +375,7 @@ class RobotModelDisplay(TopicDisplay):
 
     def _update_links(self, is_changed: bool) -> None:
         for link in self._links:
-            prefix, frames = self["TF Prefix"], self.context.frames
-            frame = f"{prefix}/{link.name}" if prefix else link.name
+            frames, frame = self.context.frames, self._frame_of(link.name)
             transform = frames.transform(frame)
             if transform is None:
                 self.statuses.set("error", frame, f"No transform from [{frame}] to [{frames.fixed_frame}]")
@@ -390,6 +390,17 @@ class RobotModelDisplay(TopicDisplay):
             visibility |= {kind: is_enabled and self[f"{row}/{label}"] for kind, label in _OF_LINKS.items()}
             alpha = self["Alpha"] * self[f"{row}/Alpha"]
             link.show(LinkSettings(visibility, alpha, transform is None, self.context.is_seen))
+
+    def is_expanded(self, path: tuple[str, ...]) -> bool:
+        """Return whether the details of links are shown."""
+        return len(path) == 2 and path[0] == "Links" and bool(self["Links/Expand Link Details"])
+
+    def _frame_of(self, link: str) -> str:
+        prefix = self["TF Prefix"]
+        return f"{prefix}/{link}" if prefix else link
+
+    def _link_value(self, link: str, label: str) -> Any:
+        return self.context.frames.pose_value(label, self._frame_of(link))
 
     @property
     def _file(self) -> Path | None:
@@ -429,6 +440,9 @@ class RobotModelDisplay(TopicDisplay):
             shown_if = () if link.has_geometry else NEVER
             rows.append(Property(f"{row}/Alpha", 1.0, number(0.0, 1.0), (*names, "Alpha"), shown_if))
             rows += [Property(f"{row}/{it}", False, flag, (*names, it)) for it in _OF_LINKS.values()]
+            for label in ("Position", "Orientation"):
+                value = partial(self._link_value, link.name, label)
+                rows.append(Property(f"{row}/{label}", value, read_only, (*names, label)))
         wrong = self.grow(*rows)
         self.statuses.hint("Links", *wrong)
         self.statuses.hint("URDF", *(problem for link in links for problem in link.problems))

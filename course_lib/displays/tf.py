@@ -25,7 +25,6 @@ from course_lib.displays.properties import (
 )
 from course_lib.displays.shapes import AXIS_COLORS, axes, placement, rotation_to
 from course_lib.displays.statuses import Level
-from course_lib.ros.tf2 import TransformException
 from course_lib.viewer.drawables import Drawable, Lines, Solids, Text
 from course_lib.viewer.scene import Scene
 
@@ -308,11 +307,6 @@ class TfDisplay(Display):
         self._updated_ns: int | None = None
         self._values["Tree"] = self._tree
 
-    def __getitem__(self, label: str) -> Any:
-        """Return a property; measured values are computed on access."""
-        value = super().__getitem__(label)
-        return value() if callable(value) else value
-
     def on_changed(self, label: str) -> None:
         """Enable or disable all frames or one. Other properties take effect in the next frame."""
         super().on_changed(label)
@@ -404,13 +398,9 @@ class TfDisplay(Display):
         parent = frames.buffer.parent(name) or ""
         if label == "Parent":
             return parent
-        try:
-            target = parent if label.startswith("Relative") else frames.fixed_frame
-            transform = frames.buffer.lookup(target, name)
-        except TransformException:
-            return ""
-        numbers = transform.translation if label.endswith("Position") else transform.rotation
-        return tuple(round(number, 6) for number in numbers)
+        if label.startswith("Relative"):
+            return frames.pose_value(label, name, parent) if parent else ""
+        return frames.pose_value(label, name)
 
     def _tree(self) -> dict[str, Any]:
         """Return each frame below its parent, as nested maps."""

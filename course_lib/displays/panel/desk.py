@@ -85,10 +85,10 @@ class Rows(dict[str, RowEntry]):
             if prop.label == "Enabled" or not holder.is_shown(prop):
                 continue
             above = parent
-            for name in prop.path[:-1]:
+            for depth, name in enumerate(prop.path[:-1], 1):
                 key = f"{above}#{name}"
                 if key not in self:
-                    self.put(key, above, name)
+                    self.put(key, above, name, open=holder.is_expanded(prop.path[:depth]))
                 above = key
             self._put_property(holder, prop, above)
 
@@ -108,7 +108,10 @@ class Rows(dict[str, RowEntry]):
         editor = _editor(prop, holder)
         shown_value = "" if prop.convert is booleans else value if editor.kind != "none" else str(value)
         title = holder.describe(prop)
-        self.put(key, parent, prop.path[-1], edit, editor=editor, value=shown_value, title=title)
+        is_open = holder.is_expanded(prop.path)
+        self.put(
+            key, parent, prop.path[-1], edit, editor=editor, value=shown_value, title=title, open=is_open
+        )
         if prop.convert is booleans:
             for name, on in value.items():
                 tick = partial(self._set_check_box, holder, prop.label, name)

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from std_msgs.msg import String
 
+from course_lib.displays.panel.desk import display_rows
 from course_lib.displays.robot_model import DrawnLink, LinkSettings
 from course_lib.displays.viewer import Viewer
+from course_lib.displays.writer import member_config
 from course_lib.robots.robot import load_robot
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.programs.packages import packages
@@ -208,3 +210,28 @@ def test_properties_of_links_are_read_only_after_a_change(monkeypatch: pytest.Mo
     display["Links/arm/Show Axes"] = True
     bench.update(4.0)
     assert [one.shown["axes"] for one in settings[3:]] == [True, False, False]
+
+
+def test_links_have_their_pose_in_the_fixed_frame_which_layouts_do_not_contain() -> None:
+    bench = Bench()
+    bench.transform("map", "base", (1.0, 2.0, 3.0))
+    display = robot(bench, ARM)
+    assert display["Links/base/Position"] == (1.0, 2.0, 3.0)
+    assert display["Links/base/Orientation"] == (0.0, 0.0, 0.0, 1.0)
+    assert display["Links/arm/Position"] == ""
+    bench.transform("map", "base", (4.0, 2.0, 3.0))
+    assert display["Links/base/Position"] == (4.0, 2.0, 3.0)
+    assert "Position" not in str(member_config(display))
+
+
+def test_details_of_links_are_expanded_on_request() -> None:
+    bench = Bench()
+    display = robot(bench, ARM)
+
+    def expanded() -> set[str]:
+        rows = display_rows(bench.session).values()
+        return {entry.row.label for entry in rows if entry.row.open} & {"base", "arm"}
+
+    assert expanded() == set()
+    display["Expand Link Details"] = True
+    assert expanded() == {"base", "arm"}
