@@ -51,6 +51,16 @@ def test_mistake_in_an_action_is_reported_with_its_line(
     assert KIT not in output
 
 
+def test_substitution_as_a_reaction_is_reported_when_the_process_exits(
+    launch_file: Write, capsys: pytest.CaptureFixture[str]
+) -> None:
+    recorded(launch_file("ExecuteProcess(cmd=['true'], on_exit=LaunchConfiguration('x'))"))
+    text = (
+        "'LaunchConfiguration' object has no attribute 'visit': pass an action such as Shutdown(), or a list"
+    )
+    assert text in "".join(capsys.readouterr())
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [

@@ -294,7 +294,14 @@ def as_entity_list(entities: Entities | None) -> list[LaunchDescriptionEntity]:
     """Return one entity, several or None as a list."""
     if entities is None:
         return []
-    return [entities] if isinstance(entities, LaunchDescriptionEntity) else list(entities)
+    if isinstance(entities, LaunchDescriptionEntity):
+        return [entities]
+    if not isinstance(entities, Iterable):
+        kind = type(entities).__name__
+        raise TypeError(
+            f"'{kind}' object has no attribute 'visit': pass an action such as Shutdown(), or a list"
+        )
+    return list(entities)
 
 
 class LaunchService:
