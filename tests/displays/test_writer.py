@@ -1,5 +1,8 @@
 import errno
 import os
+import signal
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,6 +18,7 @@ from course_lib.errors import CourseError
 from course_lib.viewer.renderer import Picture
 from course_lib.viewer.scene import Scene
 from tests.displays.test_layout import LAYOUT
+from tests.patience import PATIENCE
 
 REAL = sorted((Path(__file__).parents[1] / "data" / "rviz_reference").glob("*/view.rviz"))
 
@@ -163,6 +167,20 @@ def test_full_disk_leaves_the_saved_file_unchanged(
     with pytest.raises((CourseError, OSError), match="No space left"):
         saves[path.suffix]()
     assert [(one.name, one.read_text()) for one in tmp_path.iterdir()] == [(name, "old")]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows ends programs without signals")
+def test_killed_save_leaves_the_layout_unchanged(layout: Path) -> None:
+    before = layout.read_bytes()
+    code = (
+        "import os, signal, sys\n"
+        "from course_lib import Viewer\n"
+        "os.fsync = lambda _: os.kill(os.getpid(), signal.SIGKILL)\n"
+        "Viewer().save_rviz(sys.argv[1])\n"
+    )
+    killed = subprocess.run([sys.executable, "-c", code, layout], timeout=PATIENCE)
+    assert killed.returncode == -signal.SIGKILL
+    assert layout.read_bytes() == before
 
 
 def test_layout_that_is_a_link_is_written_where_it_points_to(layout: Path) -> None:
