@@ -24,7 +24,7 @@ from course_lib.displays.properties import Property, PropertyHolder, flag, integ
 from course_lib.displays.statuses import Statuses, StatusRow, contained
 from course_lib.errors import format_count
 from course_lib.ros.graph.graph import Graph, Sample
-from course_lib.ros.graph.topics import SERVICE_HEADER, SERVICE_TOPICS, Qos, find_incompatible_policy
+from course_lib.ros.graph.topics import SERVICE_HEADER, Qos, find_incompatible_policy, service_topics
 from course_lib.ros.messages import deserialize, serialize, service_class, type_name
 from course_lib.viewer.drawables import Camera, Drawable
 from course_lib.viewer.scene import Scene
@@ -108,8 +108,8 @@ class RvizNode:
 
     def _client(self, name: str, kind: Any) -> int:
         """Add both endpoints of a client, and return the endpoint that sends requests."""
-        (request_topic, reply_topic) = (f"{prefix}{name}{suffix}" for prefix, suffix in SERVICE_TOPICS)
-        client = self._graph.add_publisher(self._id(), request_topic, type_name(kind.Request), _SERVICE)
+        requests, replies = service_topics(name, type_name(kind.Request).removesuffix("_Request"))
+        client = self._graph.add_publisher(self._id(), *requests, _SERVICE)
 
         def take(data: bytes, source_ns: int, received_ns: int) -> None:
             addressee, number = SERVICE_HEADER.unpack_from(data)
@@ -117,7 +117,7 @@ class RvizNode:
                 response = deserialize(data[SERVICE_HEADER.size :], kind.Response)
                 self._waiting.pop(number)(response)
 
-        self._graph.add_subscription(self._id(), 0, reply_topic, type_name(kind.Response), _SERVICE, take)
+        self._graph.add_subscription(self._id(), 0, *replies, _SERVICE, take)
         return client
 
 

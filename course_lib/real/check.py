@@ -28,7 +28,7 @@ from course_lib.grading.vocabulary import motion, topics
 from course_lib.real.environment import RealEnvironment, find_environment
 from course_lib.real.process import NOT_ROS_OWN, RealProcesses, linked_graph, temporary_folder
 from course_lib.ros.graph.graph import START_NS, Sample, use_graph
-from course_lib.ros.graph.topics import OWN_TOPICS, SERVICE_HEADER, SERVICE_TOPICS, Qos
+from course_lib.ros.graph.topics import OWN_TOPICS, SERVICE_HEADER, Qos, service_topics
 from course_lib.ros.messages import message_class, serialize, to_plain
 from course_lib.ros.programs import import_path
 from course_lib.ros.robot.robot_graph import RobotGraph
@@ -431,8 +431,7 @@ class ScenarioOnRos:
         """
         topic, type_name, header = message.topic, message.type_name, b""
         if "/srv/" in type_name:
-            prefix, suffix = SERVICE_TOPICS[0]
-            topic, type_name = f"{prefix}{topic}{suffix}", f"{type_name}_Request"
+            (topic, type_name), _ = service_topics(topic, type_name)
         built = build(replace(message, topic=topic, type_name=type_name), self._personal)
         endpoint = graph.add_publisher(self._input_node, topic, type_name, Qos())
         if "/srv/" in type_name:
@@ -449,9 +448,8 @@ class ScenarioOnRos:
             reasons = rejection_reasons(data[SERVICE_HEADER.size :])
             self._rejections += [(wall.time_ns(), reason) for reason in reasons]
 
-        prefix, suffix = SERVICE_TOPICS[1]
-        type_name = f"{SET_PARAMETERS}_Response"
-        graph.add_subscription(self._input_node, 0, f"{prefix}{service}{suffix}", type_name, Qos(), on_reply)
+        _, replies = service_topics(service, SET_PARAMETERS)
+        graph.add_subscription(self._input_node, 0, *replies, Qos(), on_reply)
 
     def _wait_for_begin(
         self,

@@ -28,7 +28,6 @@ from course_lib.errors import format_count
 from course_lib.ros.graph.graph import Graph
 from course_lib.ros.graph.topics import (
     SERVICE_HEADER,
-    SERVICE_TOPICS,
     EndpointInfo,
     OnMessage,
     Publisher,
@@ -36,6 +35,7 @@ from course_lib.ros.graph.topics import (
     Sample,
     Topics,
     find_incompatible_policy,
+    service_topics,
 )
 from course_lib.ros.messages.definitions import is_known
 from course_lib.ros.robot.link import (
@@ -262,7 +262,6 @@ class TopicSubscriptions:
 REMOTE_CLIENT = -1
 # Limit on remote requests without a response.
 MAX_OPEN = 1000
-REPLY_PREFIX, REPLY_SUFFIX = SERVICE_TOPICS[1]
 
 # Called with the topic, the type, and the header with the CDR bytes.
 Deliver = Callable[[str, str, bytes], None]
@@ -312,8 +311,8 @@ class Services:
 
         def on_reply(reply: bytes | None) -> None:
             if reply is not None:
-                topic = f"{REPLY_PREFIX}{name}{REPLY_SUFFIX}"
-                self._deliver(topic, f"{type_name}_Response", header + reply)
+                _, replies = service_topics(name, type_name)
+                self._deliver(*replies, header + reply)
 
         client.call(cdr, on_reply)
         return True
@@ -401,8 +400,8 @@ class RemoteEntities:
             self._topics.publishers[endpoint].latched.extend(latched)
             return endpoint
         if entity.kind in ("server", "client"):
-            prefix, suffix = SERVICE_TOPICS[0]
-            topic, type_name, qos = f"{prefix}{topic}{suffix}", f"{type_name}_{suffix}", Qos()
+            (topic, type_name), _ = service_topics(topic, type_name)
+            qos = Qos()
         if entity.kind == "client":
             return Graph.add_publisher(self._graph, node, topic, type_name, qos)
         self.servers[entity.topic] += entity.kind == "server"

@@ -27,7 +27,7 @@ from launch.events import ProcessExited
 from lifecycle_msgs.msg import Transition, TransitionEvent
 
 from course_lib.ros.graph.graph import ProgramNodes, current_graph
-from course_lib.ros.graph.topics import SERVICE_HEADER, SERVICE_TOPICS, Qos
+from course_lib.ros.graph.topics import SERVICE_HEADER, Qos, service_topics
 from course_lib.ros.messages import deserialize, serialize
 from course_lib.ros.programs.packages import NotHereError
 from launch_ros.events.lifecycle import ChangeState, StateTransition
@@ -156,10 +156,10 @@ class _LifecycleLink:
                 on_rejection(self._requested[number - 1])
 
         self._graph.add_subscription(node, 0, f"{name}/transition_event", _EVENT, self._qos, on_event)
-        topics = [f"{prefix}{name}/change_state{suffix}" for prefix, suffix in SERVICE_TOPICS]
-        self._request_topic = topics[0]
-        self._id = self._graph.add_publisher(node, topics[0], f"{_SERVICE}_Request", self._qos)
-        self._graph.add_subscription(node, 0, topics[1], f"{_SERVICE}_Response", self._qos, on_response)
+        requests, replies = service_topics(f"{name}/change_state", _SERVICE)
+        self._request_topic = requests[0]
+        self._id = self._graph.add_publisher(node, *requests, self._qos)
+        self._graph.add_subscription(node, 0, *replies, self._qos, on_response)
 
     def request(self, transition: int) -> bool:
         """Request a transition. Return False if the node's service is not available."""

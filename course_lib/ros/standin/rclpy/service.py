@@ -8,7 +8,7 @@ from typing import Any, Literal
 from service_msgs.msg import ServiceEventInfo
 
 from course_lib.ros.graph.graph import Graph
-from course_lib.ros.graph.topics import SERVICE_HEADER, SERVICE_TOPICS
+from course_lib.ros.graph.topics import SERVICE_HEADER, service_topics
 from course_lib.ros.messages import RosMessage, deserialize, serialize, type_name
 from course_lib.ros.mistakes import Mistake, mark, marked
 from rclpy.callback_groups import CallbackGroup
@@ -43,27 +43,22 @@ class ServiceEnd(Entity):
         self.srv_type, self.srv_name, self.qos_profile = srv_type, srv_name, qos_profile
         self._course_full_name = full_name
         graph: Graph = node.graph
-        names = [f"{prefix}{full_name}{suffix}" for prefix, suffix in SERVICE_TOPICS]
-        types = [type_name(part) for part in (srv_type.Request, srv_type.Response)]
+        request_type = type_name(srv_type.Request)
+        requests, replies = service_topics(full_name, request_type.removesuffix("_Request"))
         kind: Literal["client", "service"] = "client" if asks else "service"
-        claim_service(node, kind, full_name, types[0])
-        sent_index, received_index = (0, 1) if asks else (1, 0)
+        claim_service(node, kind, full_name, request_type)
+        sent, received = (requests, replies) if asks else (replies, requests)
         try:
             offered_qos, requested_qos = to_qos(qos_profile, "pub"), to_qos(qos_profile, "sub")
         except RCLError:
             raise RCLError(f"failed to create {kind}: create_{kind}() failed setting topic QoS") from None
-        self._course_id = graph.add_publisher(node.id, names[sent_index], types[sent_index], offered_qos)
+        self._course_id = graph.add_publisher(node.id, *sent, offered_qos)
         received_id = graph.add_subscription(
-            node.id,
-            self._course_entity,
-            names[received_index],
-            types[received_index],
-            requested_qos,
-            self.__receive,
+            node.id, self._course_entity, *received, requested_qos, self.__receive
         )
         self.__ends = (
-            Endpoint(node, self._course_id, names[sent_index]),
-            Endpoint(node, received_id, names[received_index]),
+            Endpoint(node, self._course_id, sent[0]),
+            Endpoint(node, received_id, received[0]),
         )
         self.__ends[0].claimed = f"rq{full_name}"
         self._course_queue: deque[tuple[int, int, bytes]] = deque()
