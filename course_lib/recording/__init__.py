@@ -1,29 +1,786 @@
-"""Recordings of all messages published in a run, and rosbag2 bags of them."""
+"""Recordings: samples in memory, in the order of their publication, and rosbag2 bags of them.
 
-from course_lib.recording.bag import (
-    BagWriter,
-    Recorder,
-    Recording,
-    TopicSummary,
-    bag_info,
-    bag_metadata,
-    read_bag,
-    record,
-    recorded,
-    topic_counts,
-    write_bag,
-)
+A bag is a folder with metadata.yaml and an MCAP file. rosbags reads intact bags only. Bags of
+students are often incomplete, because the recorder was killed or the disk was full, so `salvage`
+reads the records of MCAP and SQLite itself up to the damage.
+"""
 
-__all__ = [
-    "BagWriter",
-    "Recorder",
-    "Recording",
-    "TopicSummary",
-    "bag_info",
-    "bag_metadata",
-    "read_bag",
-    "record",
-    "recorded",
-    "topic_counts",
-    "write_bag",
-]
+import hashlib
+import os
+import sqlite3
+import struct
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+from course_lib.errors import CourseError, format_count
+from course_lib.files import draft_folder
+from course_lib.ros.graph.graph import Graph, Sample, TopicSelector
+from course_lib.ros.graph.topics import Qos, read_tick
+from course_lib.ros.messages import RosMessage
+from course_lib.ros.messages.definitions import definition, type_hash, typestore
+from course_lib.third_party import LFS_POINTER, MOST_TEXT, NOT_FETCHED, check_regular, check_size, read_text
+
+if TYPE_CHECKING:
+    from rosbags.interfaces import Connection, QosTime
+    from rosbags.interfaces import Qos as BagQos
+    from rosbags.rosbag2 import Reader
+
+
+@dataclass(frozen=True)
+class TopicSummary:
+    """A topic of a recording, with the different QoS of its publishers."""
+
+    name: str
+    type_name: str
+    count: int
+    offered: tuple[Qos, ...]
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Samples in the order of their publication."""
+
+    samples: Sequence[Sample]
+
+    @property
+    def start_ns(self) -> int:
+        """Robot time of the first sample [ns]; 0 without samples."""
+        return self.samples[0].stamp_ns if self.samples else 0
+
+    @property
+    def end_ns(self) -> int:
+        """Robot time of the last sample [ns]; 0 without samples."""
+        return self.samples[-1].stamp_ns if self.samples else 0
+
+    def topics(self) -> list[TopicSummary]:
+        """List the topics by name. A topic with two types is listed twice."""
+        groups: dict[tuple[str, str], list[Qos]] = {}
+        for sample in self.samples:
+            groups.setdefault((sample.topic, sample.type_name), []).append(sample.qos)
+        return [
+            TopicSummary(name, type_name, len(qos), tuple(dict.fromkeys(qos)))
+            for (name, type_name), qos in sorted(groups.items())
+        ]
+
+    def messages(self, topic: str) -> Iterator[tuple[int, RosMessage]]:
+        """Yield (robot time [ns], message) of a topic.
+
+        Raises:
+            CourseError: A type is unknown, or the bytes are not a message of this type.
+        """
+        for sample in self.samples:
+            if sample.topic == topic:
+                yield sample.stamp_ns, sample.message()
+
+    def digest(self) -> str:
+        """Return the SHA-256 of all samples' topics, types, stamps and CDR bytes, in hexadecimal digits."""
+        total = hashlib.sha256()
+        for sample in self.samples:
+            stamp = sample.stamp_ns.to_bytes(8, "little", signed=True)
+            for part in (sample.topic.encode(), sample.type_name.encode(), stamp, sample.cdr):
+                total.update(len(part).to_bytes(8, "little"))
+                total.update(part)
+        return total.hexdigest()
+
+
+class Recorder:
+    """Collects the samples of a graph until it is stopped; also a context manager."""
+
+    def __init__(self, graph: Graph) -> None:
+        self._samples = graph.latched_samples()
+        self._untap = graph.tap(self._samples.append)
+        self._is_listening = True
+
+    def stop(self) -> None:
+        """Stop collecting samples."""
+        if self._is_listening:
+            self._untap()
+        self._is_listening = False
+
+    def recording(self) -> Recording:
+        """Return the collected samples as a recording."""
+        return Recording(tuple(self._samples))
+
+    def __enter__(self) -> "Recorder":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+
+def record(graph: Graph) -> Recorder:
+    """Start to record all topics of a graph, including the samples kept for late-joining subscriptions."""
+    return Recorder(graph)
+
+
+# rmw's infinite duration [ns], which can also be given as 0.
+_INFINITE = 2**63 - 1
+# In nanoseconds.
+SECOND_NS = 10**9
+
+
+def to_bag(qos: Qos) -> "BagQos":
+    """Convert a QoS profile to the representation of rosbags."""
+    from rosbags import interfaces
+
+    return interfaces.Qos(
+        interfaces.QosHistory[qos.history.upper()],
+        qos.depth,
+        interfaces.QosReliability[qos.reliability.upper()],
+        interfaces.QosDurability[qos.durability.upper()],
+        _to_time(qos.deadline_ns),
+        _to_time(qos.lifespan_ns),
+        interfaces.QosLiveliness[qos.liveliness.upper()],
+        _to_time(qos.lease_ns),
+        avoid_ros_namespace_conventions=False,
+    )
+
+
+def from_bag(profiles: Sequence["BagQos"]) -> Qos:
+    """Return the QoS of a topic's first publisher, because a bag does not store who published a message.
+
+    System defaults are replaced by ROS's defaults.
+    """
+    if not profiles:
+        return Qos()
+    qos = profiles[0]
+    return Qos(
+        history="keep_all" if qos.history.name == "KEEP_ALL" else "keep_last",
+        depth=qos.depth,
+        reliability="best_effort" if qos.reliability.name == "BEST_EFFORT" else "reliable",
+        durability="transient_local" if qos.durability.name == "TRANSIENT_LOCAL" else "volatile",
+        deadline_ns=_from_time(qos.deadline),
+        lifespan_ns=_from_time(qos.lifespan),
+        liveliness="manual_by_topic" if qos.liveliness.name == "MANUAL_BY_TOPIC" else "automatic",
+        lease_ns=_from_time(qos.liveliness_lease_duration),
+    )
+
+
+def _to_time(duration_ns: int | None) -> "QosTime":
+    from rosbags.interfaces import QosTime
+
+    return QosTime(*divmod(_INFINITE if duration_ns is None else duration_ns, SECOND_NS))
+
+
+def _from_time(time: Any) -> int | None:
+    duration_ns = time.sec * SECOND_NS + time.nsec
+    return None if duration_ns in (0, _INFINITE) else int(duration_ns)
+
+
+METADATA = "metadata.yaml"
+
+
+class BagWriter:
+    """The writer of a one-file bag. As a context manager it leaves a partial bag after an error.
+
+    Args:
+        folder: The bag's folder, which is created.
+        storage: "mcap" or "sqlite3".
+        compression: What is compressed with zstd: "none", the whole "file", each "message", or with
+            "storage" the chunks of messages in an MCAP file.
+        custom_data: Strings by name for the metadata.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        storage: str = "mcap",
+        *,
+        compression: str = "none",
+        custom_data: Mapping[str, str] | None = None,
+    ) -> None:
+        from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+
+        self._metadata = folder / METADATA
+        self._writer = Writer(folder, version=9, storage_plugin=StoragePlugin[storage.upper()])
+        self._writer.set_compression(CompressionMode[compression.upper()], CompressionFormat.ZSTD)
+        for name, text in (custom_data or {}).items():
+            self._writer.set_custom_data(name, text)
+        self._writer.open()
+        self._connections: dict[tuple[str, str], Connection] = {}
+
+    def add(self, topic: str, type_name: str, offered: Sequence[Qos] = ()) -> None:
+        """Add a topic, or raise a CourseError if its type is unknown."""
+        # This raises a CourseError if the type is unknown.
+        definition(type_name)
+        self._connections[topic, type_name] = self._writer.add_connection(
+            topic,
+            type_name,
+            typestore=typestore(),
+            # As in rosbag2: the parts of an action have no file of their own to be included.
+            msgdef="" if "/action/" in type_name else None,
+            rihs01=type_hash(type_name),
+            offered_qos_profiles=[to_bag(qos) for qos in offered],
+        )
+
+    def write(self, topic: str, type_name: str, stamp_ns: int, cdr: bytes) -> None:
+        """Append a message of a topic that was added before."""
+        self._writer.write(self._connections[topic, type_name], stamp_ns, cdr)
+
+    def close(self) -> None:
+        """Complete the file and write the metadata."""
+        self._writer.close()
+        # rosbags writes its own name instead of the ROS distribution.
+        about = read_text(self._metadata)
+        text = about.replace("ros_distro: rosbags", "ros_distro: jazzy")
+        self._metadata.write_text(text, encoding="utf-8")
+
+    def abort(self) -> None:
+        """Stop writing and leave an incomplete bag."""
+        self._writer.abort()
+
+    def __enter__(self) -> "BagWriter":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is None:
+            self.close()
+        else:
+            self.abort()
+
+
+_MAGIC = b"\x89MCAP0\r\n"
+# Opcodes of MCAP (mcap.dev/spec).
+_SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = _OPCODES = (3, 4, 5, 6)
+_TOPICS = "SELECT id, name, type, serialization_format, offered_qos_profiles FROM topics"
+# Without the index, because it may be incomplete.
+_MESSAGES = "SELECT timestamp, topic_id, data FROM messages NOT INDEXED"
+
+
+# The name of the only serialization format that can be read, which is ROS 2's default.
+_CDR = "cdr"
+
+
+class UnsupportedFormatError(CourseError):
+    """A bag has messages in a serialization format other than CDR."""
+
+
+def _check_format(bag: Path, topic: str, serialization_format: str) -> None:
+    # An incomplete bag may lack the name.
+    if serialization_format not in ("", _CDR):
+        raise UnsupportedFormatError(
+            f"The bag {bag} has messages in the serialization format '{serialization_format}', on "
+            f"{topic}. Only '{_CDR}' is supported: record it in that format, which is the default "
+            "of ros2 bag record."
+        )
+
+
+def is_data_file(path: Path) -> bool:
+    """Return whether a path is a file with messages of a bag."""
+    return path.suffix in (".mcap", ".db3") and path.is_file()
+
+
+def data_files(bag: Path) -> list[Path]:
+    """List the files with messages of a bag, which may be a single file."""
+    if is_data_file(bag):
+        return [bag]
+    paths = (path for path in bag.iterdir() if is_data_file(path))
+    # By length first, so that bag_10 follows bag_9.
+    return sorted(paths, key=lambda path: (len(path.name), path.name))
+
+
+def salvage(files: Sequence[Path]) -> tuple[list[Sample], str]:
+    """Read each file of a bag up to its last complete message.
+
+    Returns:
+        The samples sorted by stamp, and the first damage or "".
+
+    Raises:
+        CourseError: A file is a pointer of Git LFS, or is not serialized as CDR.
+    """
+    samples: list[Sample] = []
+    damages: list[str] = []
+    for path in files:
+        check_regular(path)
+        # The file may be larger than the memory.
+        with path.open("rb") as file:
+            if file.read(len(LFS_POINTER)) == LFS_POINTER:
+                raise CourseError(f"{path} is not a file of a bag: {NOT_FETCHED}.")
+            try:
+                if path.suffix == ".mcap" and not _has_magic(file):
+                    damages.append(f"{path.name} does not begin and end as a MCAP file does")
+                samples.extend(_mcap(file, path) if path.suffix == ".mcap" else _sqlite(path))
+            except UnsupportedFormatError:
+                raise
+            # A damaged file can cause any error.
+            except Exception as error:
+                # sqlite3 raises an error with the text None at the end of the file.
+                has_reason = error.args not in ((), (None,), ("None",))
+                damages.append(str(error) if has_reason else "its end is missing")
+    return sorted(samples, key=lambda sample: sample.stamp_ns), damages[0] if damages else ""
+
+
+def _has_magic(file: BinaryIO) -> bool:
+    """Return whether an MCAP file has its magic bytes at both ends, and seek to the end of the first ones."""
+    file.seek(-min(len(_MAGIC), file.seek(0, os.SEEK_END)), os.SEEK_END)
+    end = file.read()
+    file.seek(0)
+    return file.read(len(_MAGIC)) == end == _MAGIC
+
+
+def _mcap(file: BinaryIO, path: Path) -> Iterator[Sample]:
+    from rosbags.rosbag2.storage_mcap import get_qos
+
+    types: dict[int, str] = {}
+    channels: dict[int, tuple[str, str, Qos]] = {}
+    for opcode, content in _unpack_records(file):
+        if opcode == _SCHEMA:
+            types[struct.unpack_from("<H", content)[0]] = _text(content, 2)[0]
+        elif opcode == _CHANNEL:
+            channel, schema = struct.unpack_from("<HH", content)
+            topic, at = _text(content, 4)
+            encoding, at = _text(content, at)
+            _check_format(path, topic, encoding)
+            metadata = content[at + 4 :]
+            channels[channel] = topic, types[schema], from_bag(get_qos(metadata))
+        elif opcode == _MESSAGE:
+            channel, _, stamp_ns = struct.unpack_from("<HIQ", content)
+            _check_stamp(stamp_ns)
+            topic, type_name, qos = channels[channel]
+            yield Sample(stamp_ns, topic, type_name, content[22:], qos, node=0)
+
+
+def _unpack_records(file: BinaryIO) -> Iterator[tuple[int, bytes]]:
+    """Yield opcode and content of complete records, also within chunks and in the incomplete last chunk."""
+    at = file.tell()
+    length = file.seek(0, os.SEEK_END)
+    while at + 9 <= length:
+        file.seek(at)
+        opcode, size = struct.unpack("<BQ", file.read(9))
+        # No record has this opcode. Space on the disk that was never written consists of zeros.
+        if opcode == 0:
+            return
+        # The size of a damaged record may be beyond the end of the file, or beyond any memory.
+        content = file.read(min(size, length - at - 9)) if opcode in _OPCODES else b""
+        at += 9 + size
+        if opcode == _CHUNK:
+            compression, begin = _text(content, 28)
+            yield from _unpack_records(BytesIO(_decompress(compression, content[begin + 8 :])))
+        elif len(content) == size:
+            yield opcode, content
+
+
+def _check_stamp(stamp_ns: int) -> None:
+    """Raise a ValueError for a time above 63 bits, which MCAP can store but ROS cannot."""
+    if stamp_ns >= 2**63:
+        raise ValueError(f"a message has the time {stamp_ns} ns, which exceeds the largest time of ROS")
+
+
+def _decompress(compression: str, data: bytes) -> bytes:
+    """Decompress data whose end may be missing."""
+    decompressor: Any
+    if not compression:
+        return data
+    if compression == "lz4":
+        from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]  # lz4 has no types
+
+        decompressor = LZ4FrameDecompressor()
+    elif sys.version_info >= (3, 14):
+        from compression.zstd import ZstdDecompressor
+
+        decompressor = ZstdDecompressor()
+    else:
+        from backports.zstd import ZstdDecompressor
+
+        decompressor = ZstdDecompressor()
+    unpacked: bytes = decompressor.decompress(data)
+    return unpacked
+
+
+def _text(data: bytes, at: int) -> tuple[str, int]:
+    """Read a string, and return it with the offset of the following byte."""
+    end = at + 4 + int(struct.unpack_from("<I", data, at)[0])
+    return data[at + 4 : end].decode(), end
+
+
+def _sqlite(path: Path) -> Iterator[Sample]:
+    from rosbags.rosbag2.metadata import parse_qos
+
+    database = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)
+    # Otherwise SQLite rejects a file that is shorter than its header states.
+    database.execute("PRAGMA writable_schema = ON")
+    topics = {}
+    for topic, name, type_name, serialization_format, qos_text in database.execute(_TOPICS):
+        _check_format(path, name, serialization_format)
+        topics[topic] = name, type_name, from_bag(parse_qos(qos_text))
+    for stamp_ns, topic, cdr in database.execute(_MESSAGES):
+        name, type_name, qos = topics[topic]
+        yield Sample(stamp_ns, name, type_name, cdr, qos, node=0)
+
+
+# Name of the MCAP file. rosbags would use the folder's name and write it into the file.
+NAME = "recording"
+
+
+def write_bag(recording: Recording, folder: str | Path, *, force: bool = False) -> None:
+    """Write a recording as a bag.
+
+    Equal recordings give equal bytes, regardless of the folder's name. The bag is written into a
+    temporary folder and renamed, so that a crash leaves no incomplete bag.
+
+    Args:
+        recording: The recording.
+        folder: The bag's folder, which is created with its parents.
+        force: Whether to replace an existing bag.
+
+    Raises:
+        CourseError: The folder exists or cannot be written, or a message type is unknown.
+    """
+    target = Path(folder).absolute()
+    check_free(target, force)
+    try:
+        with draft_folder(target) as temporary_folder:
+            with BagWriter(temporary_folder / NAME) as writer:
+                for topic in recording.topics():
+                    writer.add(topic.name, topic.type_name, topic.offered)
+                for sample in recording.samples:
+                    writer.write(sample.topic, sample.type_name, sample.stamp_ns, sample.cdr)
+            if target.exists():
+                os.replace(target, temporary_folder / "replaced")
+            os.replace(temporary_folder / NAME, target)
+    except OSError as error:
+        raise CourseError(
+            f"Can't write the bag {folder}: {error.strerror}. Choose another folder."
+        ) from error
+
+
+def read_bag(folder: str | Path) -> Recording:
+    """Read a bag of MCAP or SQLite files, or one such file.
+
+    Node ids are 0, because bags do not contain them. An incomplete bag is read up to its last
+    complete message, with a warning on standard error.
+
+    Raises:
+        CourseError: The bag does not exist, has no complete message, or is not serialized as CDR.
+    """
+    from rosbags.rosbag2 import Reader
+
+    path = Path(folder)
+    _check_bag(path)
+    if is_data_file(path):
+        return _read_files(path, "")
+    try:
+        check_size(path / METADATA, MOST_TEXT)
+        with Reader(path) as reader:
+            return Recording(tuple(_samples(reader)))
+    # A damaged file can cause many kinds of errors in rosbags, its decompressors and SQLite.
+    except Exception as error:
+        for topic in _topics_in_metadata(bag_metadata(path)):
+            _check_format(path, topic["name"], topic.get("serialization_format", _CDR))
+        reason = str(error).splitlines()[0].rstrip(".") if str(error) else type(error).__name__
+        if not (path / METADATA).is_file():
+            reason = f"it has no {METADATA}. If its program still runs, writer.close() completes it"
+        return _read_files(path, reason)
+
+
+def _read_files(path: Path, reason: str) -> Recording:
+    """Read the complete messages of a bag's files.
+
+    A warning reports the reason, or the damage of a file.
+    """
+    samples, damage = salvage(data_files(path))
+    if not (reason or damage):
+        return Recording(tuple(samples))
+    text = f"The bag {path} is damaged or was cut off: {(reason or damage).rstrip('.')}"
+    if not samples:
+        raise CourseError(text)
+    message_count = format_count(len(samples), "message")
+    sys.stderr.write(f"warning: {text}. Read from its beginning, up to the damage: {message_count}.\n")
+    return Recording(tuple(samples))
+
+
+def check_free(target: Path, force: bool) -> None:
+    """Raise a CourseError if a bag cannot be written here because the path exists."""
+    if not target.exists() or (target.is_dir() and not any(target.iterdir())):
+        return
+    if not force:
+        raise CourseError(f"{target} already exists. Choose another folder, or use force to replace the bag.")
+    if not (target / METADATA).is_file():
+        raise CourseError(f"{target} is not a bag, so it is not replaced. Choose another folder.")
+
+
+def _check_bag(path: Path) -> None:
+    if not path.exists():
+        raise CourseError(f"There is no bag {path}. `course run FILE.py --bag {path}` records one.")
+    if is_data_file(path) or (path.is_dir() and ((path / METADATA).is_file() or data_files(path))):
+        return
+    file = min(path.glob("*.bag"), default=path)
+    if file.suffix == ".bag" and file.is_file():
+        raise CourseError(
+            f"{file} is a bag of ROS 1. Convert it into a bag of ROS 2 first: "
+            f"rosbags-convert --src {file} --dst {file.stem}"
+        )
+    if path.suffix == ".zstd" and path.is_file():
+        raise CourseError(
+            f"{path} is a compressed file of a bag. Give the folder with its {METADATA}, or unpack "
+            f"the file first: zstd -d {path}"
+        )
+    if path.suffix == ".zip" and path.is_file():
+        raise CourseError(f"{path} is an archive. Unpack it, and pass the folder of the bag in it.")
+    kind = "a folder" if path.is_dir() else "a file"
+    raise CourseError(
+        f"{path} is {kind} but not a bag. Pass the folder of a bag, which contains {METADATA}, or "
+        "one of its files, .mcap or .db3."
+    )
+
+
+def _samples(reader: "Reader") -> list[Sample]:
+    # Connections of rosbag2 bags, whose ext has the QoS.
+    connections: list[Any] = reader.connections
+    qos_profiles = {one.id: from_bag(one.ext.offered_qos_profiles) for one in connections}
+    samples: list[Sample] = []
+    for one, stamp_ns, cdr in reader.messages():
+        _check_stamp(stamp_ns)
+        samples.append(Sample(stamp_ns, one.topic, one.msgtype, bytes(cdr), qos_profiles[one.id], node=0))
+    return samples
+
+
+# Width of the labels, as in rosbag2's formatter.
+_LABEL = 19
+_SERVICES = "Service information: "
+# A service introspected by ROS 2 publishes messages of type PACKAGE/srv/NAME_Event on this topic.
+_EVENT_TOPIC, _EVENT = "/_service_event", "_Event"
+_UNITS = ("B", "KiB", "MiB", "GiB", "TiB")
+
+
+def bag_info(folder: str | Path, *, digest: bool = True) -> str:
+    """Describe a bag in the format of `ros2 bag info`, with an additional line for the digest.
+
+    Raises:
+        CourseError: The bag does not exist or is damaged.
+    """
+    recording = read_bag(folder)
+    about = bag_metadata(Path(folder))
+    listed_files = [Path(folder, name) for name in about.get("relative_file_paths", ())]
+    # The files may have been renamed, so that they differ from the names in the metadata.
+    files = (
+        listed_files
+        if listed_files and all(path.is_file() for path in listed_files)
+        else data_files(Path(folder))
+    )
+    kind = about.get("storage_identifier", "mcap" if files[0].suffix == ".mcap" else "sqlite3")
+    counts = topic_counts(about, recording)
+    # As in rosbag2, the events of services are not counted as messages, nor listed as topics.
+    services = {topic: count for topic, count in counts.items() if _is_service_event(*topic)}
+    rows = [
+        ("Files:", f"\n{' ' * _LABEL}".join(path.name for path in files)),
+        ("Bag size:", _size(sum(path.stat().st_size for path in files))),
+        ("Storage id:", kind),
+        ("ROS Distro:", about.get("ros_distro") or "unknown"),
+        ("Duration:", f"{_seconds(recording.end_ns - recording.start_ns)}s"),
+        ("Start:", _date(recording.start_ns)),
+        ("End:", _date(recording.end_ns)),
+        ("Messages:", str(len(recording.samples) - sum(services.values()))),
+        (
+            "Topic information:",
+            f"\n{' ' * _LABEL}".join(
+                f"Topic: {name} | Type: {kind} | Count: {count} | Serialization Format: cdr"
+                for (name, kind), count in counts.items()
+                if (name, kind) not in services
+            ),
+        ),
+        ("Service:", str(len(services))),
+        (
+            _SERVICES,
+            f"\n{' ' * len(_SERVICES)}".join(
+                f"Service: {name.removesuffix(_EVENT_TOPIC)} | Type: {kind.removesuffix(_EVENT)} | "
+                f"Event Count: {count} | Serialization Format: cdr"
+                for (name, kind), count in services.items()
+            ),
+        ),
+        *([("Digest:", recording.digest())] if digest else []),
+    ]
+    return "\n" + "\n".join(f"{label:<{_LABEL}}{value}" for label, value in rows) + "\n"
+
+
+def bag_metadata(folder: Path) -> dict[str, Any]:
+    """Read the metadata, which a recorder writes when it stops; empty if it is missing or malformed."""
+    import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+
+    try:
+        text = read_text(folder / METADATA)
+        about = dict(yaml.safe_load(text)["rosbag2_bagfile_information"])
+        return about | {"relative_file_paths": [str(name) for name in about["relative_file_paths"]]}
+    except (OSError, ValueError, RecursionError, yaml.YAMLError, KeyError, TypeError):
+        return {}
+
+
+def _topics_in_metadata(about: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the descriptions of the topics in metadata; an empty list if it is malformed."""
+    try:
+        return [dict(entry["topic_metadata"]) for entry in about["topics_with_message_count"]]
+    except (KeyError, TypeError, ValueError):
+        return []
+
+
+def topic_counts(about: dict[str, Any], recording: Recording) -> dict[tuple[str, str], int]:
+    """Count the messages by topic and type, including topics without messages, in the order of the file."""
+    counts = {(topic.name, topic.type_name): topic.count for topic in recording.topics()}
+    listed = [(topic.get("name"), topic.get("type")) for topic in _topics_in_metadata(about)]
+    topics = dict.fromkeys([*((str(name), str(kind)) for name, kind in listed if name and kind), *counts])
+    return {key: counts.get(key, 0) for key in topics}
+
+
+def _is_service_event(topic: str, type_name: str) -> bool:
+    return topic.endswith(_EVENT_TOPIC) and "/srv/" in type_name and type_name.endswith(_EVENT)
+
+
+def _size(size: float) -> str:
+    """Return a number of bytes as rosbag2 prints it, like 12.3 KiB."""
+    for unit in _UNITS:
+        if size < 1024 or unit == _UNITS[-1]:
+            break
+        size /= 1024
+    return f"{size:.0f} {unit}" if unit == "B" else f"{size:.1f} {unit}"
+
+
+def _seconds(duration_ns: int) -> str:
+    return f"{duration_ns // SECOND_NS}.{duration_ns % SECOND_NS:09d}"
+
+
+def _date(stamp_ns: int) -> str:
+    """Return a time in the machine's time zone, as rosbag2 prints it."""
+    local = time.localtime(stamp_ns // SECOND_NS)
+    date = f"{time.strftime('%b', local)} {local.tm_mday:2d} {time.strftime('%Y %H:%M:%S', local)}"
+    return f"{date}.{stamp_ns % SECOND_NS:09d} ({_seconds(stamp_ns)})"
+
+
+# Whether to record a topic with a type.
+Chosen = Callable[[str, str], bool]
+Stamped = Callable[[Sample], list[Sample]]
+
+
+@contextmanager
+def recorded(
+    graph: Graph,
+    folder: Path,
+    chosen: Chosen = lambda topic, type_name: True,
+    select_topics: TopicSelector | None = None,
+    *,
+    in_sim_time: bool = False,
+) -> Iterator[None]:
+    """Record a graph into a bag during a `with` block.
+
+    Args:
+        graph: The graph. If it is linked to a robot, the bag is written during the run, otherwise
+            at the end.
+        folder: The bag's folder.
+        chosen: Selects the topics.
+        select_topics: Returns the topics that a linked robot has to send, in sim time including
+            /clock; None for all.
+        in_sim_time: Whether messages are stamped by /clock. Of earlier messages, only those of
+            transient_local publishers are kept.
+
+    Raises:
+        CourseError: The bag cannot be written.
+    """
+    start_ns = graph.now_ns
+
+    def stamp_by_start(sample: Sample) -> list[Sample]:
+        # An earlier sample, from a transient_local publisher, gets the time of the start.
+        return [sample if sample.stamp_ns >= start_ns else replace(sample, stamp_ns=start_ns)]
+
+    stamp_samples = _SimTime().stamp_samples if in_sim_time else stamp_by_start
+    if graph.keeps_wall_time:
+        growing = _LiveBag(graph, folder, chosen, select_topics, stamp_samples)
+        try:
+            yield
+        finally:
+            growing.close()
+        return
+    with record(graph) as recorder:
+        yield
+    samples = [one for sample in recorder.recording().samples for one in stamp_samples(sample)]
+    # Stamps may decrease if a simulation was reset.
+    samples.sort(key=lambda sample: sample.stamp_ns)
+    write_bag(Recording(tuple(s for s in samples if chosen(s.topic, s.type_name))), folder)
+
+
+class _SimTime:
+    """Stamps samples with the last time received on /clock."""
+
+    def __init__(self) -> None:
+        self._now_ns: int | None = None
+        # Received before the first message on /clock.
+        self._latched: list[Sample] = []
+
+    def stamp_samples(self, sample: Sample) -> list[Sample]:
+        """Return the samples that can be stamped now that another one has been received."""
+        time_ns = read_tick(sample)
+        self._now_ns = self._now_ns if time_ns is None else time_ns
+        if self._now_ns is None:
+            self._latched += [sample] if sample.qos.is_latched else []
+            return []
+        ready, self._latched = [*self._latched, sample], []
+        return [replace(one, stamp_ns=self._now_ns) for one in ready]
+
+
+class _LiveBag:
+    """A bag that is written during the run.
+
+    A write error ends the recording and is reported at the end.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        folder: Path,
+        chosen: Chosen,
+        select_topics: TopicSelector | None,
+        stamp_samples: Stamped,
+    ) -> None:
+        check_free(folder.absolute(), force=False)
+        self._folder, self._is_selected, self._stamp_samples = folder, chosen, stamp_samples
+        # Whether a topic with a type is recorded.
+        self._is_recorded = dict[tuple[str, str], bool]()
+        self._problem: CourseError | None = None
+        try:
+            folder.absolute().parent.mkdir(parents=True, exist_ok=True)
+            if folder.exists():
+                # An empty folder, because the writer creates its own.
+                folder.rmdir()
+            self._writer = BagWriter(folder)
+        except OSError as error:
+            raise self._write_error(error) from error
+        for sample in graph.latched_samples():
+            self._on_sample(sample)
+        self._untap = graph.tap(self._on_sample, select_topics)
+
+    def close(self) -> None:
+        """Complete the bag, or raise a CourseError if it could not be written."""
+        self._untap()
+        if self._problem is None:
+            try:
+                self._writer.close()
+            except OSError as error:
+                self._problem = self._write_error(error)
+        if self._problem is not None:
+            raise self._problem
+
+    def _on_sample(self, sample: Sample) -> None:
+        for one in self._stamp_samples(sample):
+            self._take(one)
+
+    def _take(self, sample: Sample) -> None:
+        if self._problem is not None:
+            return
+        name = sample.topic, sample.type_name
+        try:
+            if name not in self._is_recorded:
+                self._is_recorded[name] = self._is_selected(*name)
+                if self._is_recorded[name]:
+                    self._writer.add(*name, [sample.qos])
+            if self._is_recorded[name]:
+                self._writer.write(*name, sample.stamp_ns, sample.cdr)
+        except OSError as error:
+            self._problem = self._write_error(error)
+            self._writer.abort()
+
+    def _write_error(self, error: OSError) -> CourseError:
+        return CourseError(f"Can't write the bag {self._folder}: {error.strerror}. Choose another folder.")

@@ -4,8 +4,7 @@ import pytest
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from course_lib.errors import CourseError
-from course_lib.recording import Recording, read_bag, write_bag
-from course_lib.recording.bag import BagWriter
+from course_lib.recording import BagWriter, Recording, read_bag, write_bag
 from course_lib.ros.graph.graph import Sample
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import message_class, serialize

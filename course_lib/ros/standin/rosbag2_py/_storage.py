@@ -17,8 +17,15 @@ from rclpy.duration import Duration
 from rclpy.time import Time
 
 from course_lib.errors import CourseError
-from course_lib.recording import BagWriter, Recording, bag_info, bag_metadata, read_bag, topic_counts
-from course_lib.recording.bag import data_files
+from course_lib.recording import (
+    BagWriter,
+    Recording,
+    bag_info,
+    bag_metadata,
+    data_files,
+    read_bag,
+    topic_counts,
+)
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.notices import say
 
