@@ -71,7 +71,7 @@ def _growing(cls: ast.ClassDef, function: Function, owners: set[str], *, is_cert
                 isinstance(value, ast.List | ast.ListComp | ast.Name | ast.Subscript)
             ):
                 is_several = not isinstance(value, ast.List) or len(value.elts) > 1 or id(node) in in_loops
-                # A sum is no list.
+                # A sum is not a list.
                 if isinstance(value, ast.Name | ast.Subscript) and _resolve(grown, aliases) not in owners:
                     continue
             case _:

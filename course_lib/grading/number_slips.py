@@ -169,7 +169,7 @@ def _is_index(function: Function, call: ast.Call) -> bool:
 
 
 def _nanoseconds(function: Function) -> Iterator[str]:
-    """Yield a sentence for each number of nanoseconds that is used as one of seconds."""
+    """Yield a sentence for each number of nanoseconds that is used as a number of seconds."""
     numbers = [one.value for one in ast.walk(function) if isinstance(one, ast.Constant)]
     is_converted = any(type(one) in (int, float) and one in _NANO for one in numbers) or any(
         ast.unparse(one) == "10 ** 9" for one in ast.walk(function) if isinstance(one, ast.BinOp)
@@ -199,7 +199,7 @@ def _nanoseconds(function: Function) -> Iterator[str]:
                     if _ends_with(part, "nanoseconds") or (
                         isinstance(part, ast.Name | ast.Attribute) and ast.unparse(part) in kept
                     ):
-                        yield f"{ast.unparse(part)} counts nanoseconds: / 1e9 makes seconds of it."
+                        yield f"{ast.unparse(part)} counts nanoseconds: / 1e9 converts it to seconds."
                         return
 
 
@@ -236,6 +236,6 @@ def _filtered_indices(function: Function) -> Iterator[str]:
                 continue
         if name in chosen and method in ("index", "argmin", "nanargmin"):
             yield (
-                f"{quote(node)} is the number among the chosen beams of {name}, and the angle "
-                "needs the one among all beams: enumerate(message.ranges) gives it with each distance."
+                f"{quote(node)} is an index in {name}, the chosen beams, and the angle needs the "
+                "index in all beams: enumerate(message.ranges) gives it with each distance."
             )

@@ -318,7 +318,7 @@ def _reused_objects(block: Sequence[ast.stmt]) -> Iterator[str]:
 
 
 def _shared_parts(block: Sequence[ast.stmt]) -> Iterator[str]:
-    """Yield a sentence for each object that a loop fills anew and gives to all its items."""
+    """Yield a sentence for each object that a loop changes and assigns to all its items."""
     for index, loop in enumerate(block):
         if not isinstance(loop, ast.For) or any(_published_variable(one) for one in ast.walk(loop)):
             continue
@@ -467,7 +467,7 @@ def _blocking_calls(function: Function) -> Iterator[str]:
 
 
 def _lost_counts(function: Function) -> Iterator[str]:
-    """Yield a sentence for each variable that is counted up for the next call, which starts anew."""
+    """Yield a sentence for each local variable that is incremented as if the next call kept it."""
     shared = {
         name
         for node in ast.walk(function)
@@ -481,7 +481,7 @@ def _lost_counts(function: Function) -> Iterator[str]:
             ):
                 yield (
                     f"{quote(statement)} changes a variable that ends with {function.name}, and the "
-                    f"next call begins anew: keep the value in self.{name}."
+                    f"next call begins again: keep the value in self.{name}."
                 )
 
 
@@ -511,8 +511,8 @@ def _reset_attributes(function: Function) -> Iterator[str]:
                 case _:
                     continue
             yield (
-                f"{quote(statement)} in {function.name} sets it back in each call, so that it keeps "
-                "no value of the call before: set it once, in __init__."
+                f"{quote(statement)} in {function.name} resets it in each call, so that the value of "
+                "the earlier call is lost: set it once, in __init__."
             )
             break
 

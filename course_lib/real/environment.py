@@ -147,7 +147,7 @@ def find_environment() -> RealEnvironment:
         raise CourseError(f"The real ROS 2 is not installed ({SIZE}). Install it: {INSTALL}")
     environment = RealEnvironment(python)
     if problem := environment.problem():
-        fix = f"point {PYTHON} elsewhere" if configured else f"install it anew: {INSTALL}"
+        fix = f"point {PYTHON} elsewhere" if configured else f"install it again: {INSTALL}"
         raise CourseError(f"{environment.folder} lacks the tested ROS 2: {problem}. Therefore {fix}.")
     return environment
 

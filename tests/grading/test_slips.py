@@ -153,11 +153,11 @@ SLIPS = [
     (("steps = 0", "paint(steps)", "steps += 1"), '"steps += 1" changes a variable that ends with tick'),
     (
         ("self.angle = 0.0", "paint(self.angle)", "self.angle += 0.1"),
-        '"self.angle = 0.0" in tick sets it back in each call',
+        '"self.angle = 0.0" in tick resets it in each call',
     ),
     (
         ("self.angle = None", "before, self.angle = self.angle, 1.0", "return before"),
-        '"self.angle = None" in tick sets it back in each call',
+        '"self.angle = None" in tick resets it in each call',
     ),
     (("self.client.wait_for_service()",), '"self.client.wait_for_service()" in tick stops the whole node'),
     (
@@ -172,7 +172,7 @@ SLIPS = [
     (("r = np.array(message.ranges, dtype=int)", "return r"), '"np.array(message.ranges, dtype=int)" cuts'),
     (
         ("time = self.get_clock().now().nanoseconds", "return 2 * math.pi * time"),
-        "time counts nanoseconds: / 1e9 makes seconds of it.",
+        "time counts nanoseconds: / 1e9 converts it to seconds.",
     ),
     (
         ("return stamp.sec + stamp.nanosec",),
@@ -181,11 +181,11 @@ SLIPS = [
     ),
     (
         ("good = [d for d in ranges if d > low]", "return good.index(min(good)) * scan.angle_increment"),
-        '"good.index(min(good))" is the number among the chosen beams of good',
+        '"good.index(min(good))" is an index in good, the chosen beams',
     ),
     (
         ("r = r[r > low]", "return np.argmin(r) * scan.angle_increment"),
-        '"np.argmin(r)" is the number among the chosen beams of r',
+        '"np.argmin(r)" is an index in r, the chosen beams',
     ),
     (
         ("for one in parameters:", "    if one == 'rate':", "        return one.value"),
