@@ -20,7 +20,19 @@ def kernel_options() -> list[str]:
     return ["--MappingKernelManager.transport_encryption=auto"] if has_option and zmq.has("curve") else []
 
 
+def skip_yarn() -> None:
+    """Leave out JupyterLab's question to yarn, which takes a second where Node.js is installed.
+
+    The answer is the registry of packages from which JupyterLab would build itself again.
+    """
+    from jupyterlab import commands
+
+    commands._yarn_config = lambda _: {"yarn config": {}, "npm config": {}}
+
+
 if __name__ == "__main__":
+    # JupyterLab already asks when it is imported.
+    skip_yarn()
     from jupyterlab.labapp import main
 
     sys.exit(main([*sys.argv[1:], *kernel_options()]))

@@ -144,11 +144,22 @@ def get(address: str, path: str) -> Any:
         return json.loads(answer.read())
 
 
+def recording_node(folder: Path) -> Path:
+    """Write a program `node` that records its arguments in `calls`. Return the folder of both."""
+    program = folder / "bin" / "node"
+    program.parent.mkdir()
+    program.with_name("calls").write_text("")
+    program.write_text(f'#!/bin/sh\necho "$@" >> {program.with_name("calls")}\n')
+    program.chmod(0o755)
+    return program.parent
+
+
 @pytest.mark.slow
 def test_server_serves_only_the_student_folder_and_leaves_no_files_or_processes(
     tmp_path: Path, taken: int
 ) -> None:
     home = {name: str(tmp_path / "home" / name.lower()) for name in HOME_DIRS}
+    home["PATH"] = os.pathsep.join((str(recording_node(tmp_path)), os.environ["PATH"]))
     arguments = ["lab", str(tmp_path / "mine"), "--port", str(taken), "--no-browser"]
     process = Program(
         [sys.executable, "-m", "course_lib", *arguments],
@@ -163,6 +174,8 @@ def test_server_serves_only_the_student_folder_and_leaves_no_files_or_processes(
     assert ".course" not in served
     news = get(address, "lab/api/settings/@jupyterlab/apputils-extension:notification")
     assert news["schema"]["properties"]["fetchNews"]["default"] == "false"
+    # JupyterLab would ask yarn before it listens.
+    assert "yarn" not in (tmp_path / "bin" / "calls").read_text()
     process.send_signal(signal.SIGTERM)
     process.find("Your files are kept.")
     assert process.wait(60) == 0
