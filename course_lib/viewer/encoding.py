@@ -197,7 +197,10 @@ def missing_characters(text: str) -> str:
 
 def _missing_in(font: ImageFont.FreeTypeFont, text: str) -> str:
     box = bytes(font.getmask("\uffff"))
-    characters = dict.fromkeys(character for character in text if character.isprintable())
+    # In a font without a box, the image of a space is that of a missing character.
+    characters = dict.fromkeys(
+        character for character in text if character.isprintable() and character != " "
+    )
     return "".join(character for character in characters if bytes(font.getmask(character)) == box)
 
 

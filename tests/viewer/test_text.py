@@ -50,3 +50,9 @@ def test_space_has_the_requested_width_in_heights_of_a_capital_letter() -> None:
 
     assert gap(5.0) - gap(1.0) == pytest.approx(4 * rasterize("H H").pixels_per_height, abs=2)
     assert rasterize("H H", 1e308).mask.shape[1] <= 4096
+
+
+def test_text_with_a_space_has_the_font_of_text_without_one() -> None:
+    one, two = ink("R"), ink("R R")
+    letter = slice(np.flatnonzero(one.any(axis=0))[0], np.flatnonzero(one.any(axis=0))[-1] + 2)
+    np.testing.assert_array_equal(two[:, letter], one[:, letter])
