@@ -476,9 +476,9 @@ def _lines(name: str) -> list[str]:
     package, kind, _ = name.split("/")
     if (text := kit_files().get(f"{name}.{kind}")) is not None:
         return [line.rstrip() for line in text.splitlines()]
-    inside = name.removeprefix(f"{package}/")
-    renamed = RENAMED[package].glob(f"{inside}.*") if package in RENAMED else ()
-    for path in (*renamed, *(path for folder in FOLDERS for path in folder.glob(f"{name}.*"))):
+    file = f"{kind}/**/{name.rpartition('/')[2]}.*"
+    renamed = RENAMED[package].glob(file) if package in RENAMED else ()
+    for path in (*renamed, *(path for folder in FOLDERS for path in folder.glob(f"{package}/{file}"))):
         return [line.rstrip() for line in path.read_text(encoding="utf-8").splitlines()]
     package_prefix = f"{name.split('/')[0]}/"
     lines = [f"{base} {constant}={number}" for constant, base, number in field_definitions()[name][0]]

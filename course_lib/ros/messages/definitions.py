@@ -116,7 +116,7 @@ def add_package(folder: Path, name: str = "") -> None:
         RENAMED[package] = folder
     elif folder.parent not in FOLDERS:
         FOLDERS.append(folder.parent)
-    paths = sorted(path for kind in FIRST_PARTS for path in folder.glob(f"{kind}/*.{kind}"))
+    paths = sorted(path for kind in FIRST_PARTS for path in folder.glob(f"{kind}/**/*.{kind}"))
     for path in paths:
         interface_files.check_interface(path)
         try:

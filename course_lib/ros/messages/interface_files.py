@@ -115,8 +115,11 @@ def read_defaults(path: Path, package: str = "") -> dict[tuple[str, str], Any]:
 
 
 def file_name(path: Path, package: str = "") -> str:
-    """Return the name of an interface file relative to its workspace, ``my_msgs/msg/Name.msg``."""
-    return f"{package or path.parent.parent.name}/{path.parent.name}/{path.name}"
+    """Return the name of an interface file relative to its workspace, ``my_msgs/msg/Name.msg``.
+
+    As in rosidl, folders below ``msg`` are not part of the name.
+    """
+    return f"{package or path.parent.parent.name}/{path.suffix[1:]}/{path.name}"
 
 
 def parse_interface(text: str, file: str, path: Path | None = None) -> dict[str, Any]:

@@ -310,7 +310,7 @@ class _InterfaceTypesFinder(Loader):
             if (
                 _has_types(package, kind)
                 if folder.parent == STANDIN
-                else any(folder.glob(f"{kind}/*.{kind}"))
+                else any(folder.glob(f"{kind}/**/*.{kind}"))
             ):
                 return spec_from_loader(name, cls(), origin=str(folder))
         return None

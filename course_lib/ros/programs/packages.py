@@ -199,7 +199,7 @@ def name_of(manifest: Path) -> str | None:
 
 def has_interfaces(folder: Path) -> bool:
     """Return whether a folder has interface files in its msg, srv or action folder."""
-    return any(any(folder.glob(f"{kind}/*.{kind}")) for kind in ("msg", "srv", "action"))
+    return any(any(folder.glob(f"{kind}/**/*.{kind}")) for kind in ("msg", "srv", "action"))
 
 
 def package_folder_of(path: Path) -> Path | None:

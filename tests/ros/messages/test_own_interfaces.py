@@ -63,6 +63,14 @@ def test_custom_messages_services_and_actions_can_be_imported_and_sent(folder: P
     assert importlib.import_module(f"{folder.name}.action").Go.Feedback(limit=limit).limit is limit
 
 
+def test_folders_below_msg_are_not_part_of_a_type_name(folder: Path) -> None:
+    file = folder / "msg" / "referee" / "Command.msg"
+    file.parent.mkdir(parents=True)
+    file.write_text("uint8 STOP=2\nuint8 command")
+    command = importlib.import_module(f"{folder.name}.msg").Command
+    assert (command.STOP, type_names().count(f"{folder.name}/msg/Command")) == (2, 1)
+
+
 @pytest.mark.parametrize("other", ["cmake/my_msgs-extras.cmake", "launch/bringup.launch", "cfg/Tuning.cfg"])
 def test_only_files_in_msg_srv_and_action_are_interfaces(folder: Path, other: str) -> None:
     write(folder, Range_msg="float64 width")
