@@ -22,7 +22,7 @@ from course_lib.errors import join_words
 from course_lib.ros import hidden_names, import_hints, near_names, syntax_hints
 from course_lib.ros.messages.definitions import definition, type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
-from course_lib.ros.programs.packages import unavailable_reason
+from course_lib.ros.programs.packages import skipped_folder_reason, unavailable_reason
 
 # Limit on the characters of an error's text that are examined.
 MAX_TEXT = 2000
@@ -120,6 +120,7 @@ def _find_hint(error: BaseException) -> str:
         or _pair_hint(error, text)
         or _program_arguments_hint(error)
         or _value_hint(error, text)
+        or _skipped_interfaces_hint(error)
         or _table_hint(error, text)
         or _missing_value_hint(error, text)
     ):
@@ -820,6 +821,18 @@ def _missing_self_hint(error: NameError, text: str) -> str:
         "write self as the method's first parameter: `def "
         f"{code.co_name}({', '.join(('self', *remaining_parameters))})`."
     )
+
+
+def _skipped_interfaces_hint(error: BaseException) -> str:
+    """Return the hint for a package of interfaces whose folder is not used, such as an empty one."""
+    if not isinstance(error, ModuleNotFoundError):
+        return ""
+    package = (error.name or "").partition(".")[0]
+    # The search may take a second in a large folder.
+    if not package.endswith(("_msgs", "_srvs", "_interfaces")) and _imported_interfaces(error) is None:
+        return ""
+    reason = skipped_folder_reason(package)
+    return f"the package {package} is not used: {reason}" if reason else ""
 
 
 def _imported_interfaces(error: ModuleNotFoundError) -> tuple[str, str] | None:

@@ -13,6 +13,7 @@ import pytest
 from course_lib import load_robot
 from course_lib.errors import CourseError
 from course_lib.robots.robot import packages_only, resolve
+from course_lib.ros.hints import hint
 from course_lib.ros.programs.packages import find_package, not_found_reason, packages, workspace_of
 from course_lib.ros.programs.xacro_program import run_xacro
 from course_lib.tools.run import ros2_over
@@ -379,6 +380,14 @@ def test_package_ignored_by_colcon_is_reported_with_its_folder(
 ) -> None:
     make("arm", **{f"../{path}": f"<package><name>{name}</name></package>" for path, name in files.items()})
     assert re.search(rf"^package 'leg' not found: .*{reason}", not_found_reason("leg"))
+
+
+def test_package_whose_folder_is_empty_gets_the_command_for_submodules(make: Make) -> None:
+    folder = make("arm").parent / "leg_msgs"
+    folder.mkdir()
+    text = f"its folder {folder} is empty. A submodule of git is empty after a clone: run git submodule"
+    assert text in not_found_reason("leg_msgs")
+    assert text in hint(ModuleNotFoundError("No module named 'leg_msgs'", name="leg_msgs.msg"))
 
 
 def test_robot_is_loaded_by_its_address(make: Make) -> None:

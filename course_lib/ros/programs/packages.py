@@ -367,7 +367,7 @@ def not_found_reason(name: str, others: Collection[str] = ()) -> str:
     """
     if reason := unavailable_reason(name):
         return f"package '{name}' not found: {reason}"
-    if reason := _skipped_folder_reason(name):
+    if reason := skipped_folder_reason(name):
         return f"package '{name}' not found: {reason}"
     if reason := clone_instructions(name):
         return f"package '{name}' not found: {reason}."
@@ -382,8 +382,8 @@ def not_found_reason(name: str, others: Collection[str] = ()) -> str:
     )
 
 
-def _skipped_folder_reason(name: str) -> str:
-    """Explain why a folder of the workspace that has a package's manifest is not searched; "" if none has."""
+def skipped_folder_reason(name: str) -> str:
+    """Explain why a package's folder in the workspace is not used, such as an empty one; "" if none is."""
     roots = [root.resolve() for root in source_roots()]
     walks = (os.walk(root) for root in roots)
     for path, folders, files in islice(chain.from_iterable(walks), _MOST_FOLDERS):
@@ -392,6 +392,11 @@ def _skipped_folder_reason(name: str) -> str:
             folders.clear()
         manifest_name = name_of(Path(path, MANIFEST)) if MANIFEST in files else ""
         folder = Path(path)
+        if folder.name == name and not folders and not files:
+            return (
+                f"its folder {folder} is empty. A submodule of git is empty after a clone: run "
+                "git submodule update --init --recursive there."
+            )
         if manifest_name is None and folder.name == name:
             return _error_of_manifest(folder / MANIFEST)
         if manifest_name != name:
