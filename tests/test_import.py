@@ -41,6 +41,18 @@ def test_importing_the_kit_loads_no_heavy_modules() -> None:
     assert not [name for name in HEAVY if name in loaded]
 
 
+def test_checking_in_a_kernel_imports_neither_the_jail_nor_process_pools() -> None:
+    code = (
+        "import sys, course_lib; from course_lib.ros.programs import import_path; import_path.install(); "
+        "import course_lib.grading.check; print(*sys.modules)"
+    )
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=PATIENCE
+    ).stdout.split()
+    assert "course_lib.grading.judge" in loaded
+    assert not [name for name in loaded if "grading.jail" in name or name == "multiprocessing"]
+
+
 DASHBOARD = """
 import sys
 from tests.benchmarks.bench_dashboard import NODES, lesson
