@@ -79,9 +79,9 @@ class Frames:
         return self._known[key]
 
     def pose_value(self, label: str, frame: str, target: str = "") -> Any:
-        """Return a frame's ``Position`` or ``Orientation`` (x, y, z, w) as rows show it, or "" if unknown.
+        """Return the ``Position`` or ``Orientation`` (x, y, z, w) of a frame, or "" if unknown.
 
-        It is relative to the target or, without one, to the fixed frame.
+        It is rounded for a row, and relative to the target or, without one, to the fixed frame.
         """
         try:
             transform = self.buffer.lookup(target or self.fixed_frame, frame)

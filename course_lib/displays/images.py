@@ -131,7 +131,7 @@ def decode_compressed(message: Any, limits: Limits) -> Pixels:
 
 
 def downsample(pixels: Pixels, columns: int) -> Pixels:
-    """Return every n-th pixel, so that an image has at most `columns` columns, and 4 times as many rows."""
+    """Return every n-th pixel, for at most `columns` columns and four times as many rows."""
     step = -(-max(pixels.shape[1], pixels.shape[0] // 4) // columns)
     return pixels[::step, ::step]
 

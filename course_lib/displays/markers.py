@@ -609,8 +609,8 @@ class MarkerStore:
 # A number of markers that takes about 1 s to create and to send.
 _MANY_MARKERS = 5_000
 _MANY_MARKERS_HINT = (
-    "{:,} markers make this view and RViz2 slow, because each is an object of its own. Publish one marker "
-    "of type CUBE_LIST, SPHERE_LIST or LINE_LIST with many points."
+    "{:,} markers make this view and RViz2 slow, because each is an object of its own. "
+    "Publish one marker of type CUBE_LIST, SPHERE_LIST or LINE_LIST with many points."
 )
 _REPEATED = (
     "two markers with this ns and id arrived together: only the last is visible. Give each its own id."

@@ -167,7 +167,7 @@ def short_name(class_name: str) -> str:
 
 
 def describe_class(class_name: str) -> str:
-    """Return RViz's description of a display, or the first paragraph of a custom display's docstring."""
+    """Return RViz's description of a display, or the first paragraph of its docstring."""
     display = REGISTRY.get(class_name)
     docstring = (display.__doc__ or "").strip().partition("\n\n")[0] if display else ""
     return descriptions()["classes"].get(class_name, " ".join(docstring.split()))

@@ -362,16 +362,14 @@ class TfDisplay(Display):
         drawn_frame.place(transform, there, look.scale)
 
     def _add_frames(self, names: list[str]) -> None:
-        """Add new frames, with their properties in one step, because adding each takes linear time."""
+        """Add new frames, and their properties in one step: adding each takes linear time."""
         if not names:
             return
         self._frames |= {name: DrawnFrame(self.context.scene, self.path, name) for name in names}
         # A frame that was filtered out before has its properties already.
         labels = {prop.label for prop in self.properties}
-        rows = [
-            row for name in names if f"Frames/{name}" not in labels for row in self._frame_properties(name)
-        ]
-        self.grow(*rows)
+        new = [name for name in names if f"Frames/{name}" not in labels]
+        self.grow(*(row for name in new for row in self._frame_properties(name)))
 
     def _frame_properties(self, name: str) -> Iterator[Property]:
         row, names = f"Frames/{name}", ("Frames", name)

@@ -135,7 +135,8 @@ def _fields_of(thing: Drawable) -> dict[str, Any]:
         glyphs = rasterize(thing.text, thing.space_width)
         rows, cols = glyphs.mask.shape
         size = thing.height / glyphs.pixels_per_height  # [m] per pixel
-        fields.update(text=thing.text[:_LONGEST], mask=glyphs.mask, rows=rows, columns=cols, pixel=size)
+        fields["text"] = thing.text[:_LONGEST]
+        fields.update(mask=glyphs.mask, rows=rows, columns=cols, pixel=size)
     if isinstance(thing, Sheet):
         fields.update(rows=thing.cells.shape[0], columns=thing.cells.shape[1])
     if isinstance(thing, Inset):
@@ -156,7 +157,9 @@ class Glyphs:
 
 @lru_cache(maxsize=512)
 def rasterize(text: str, space_width: float = 0.0) -> Glyphs:
-    """Draw text whose lines begin at the same position. Very long text is drawn smaller, or truncated.
+    """Draw text whose lines begin at the same position.
+
+    Very long text is drawn smaller, or truncated.
 
     Args:
         text: One or more lines.

@@ -62,7 +62,8 @@ class Bench:
         """Move the pointer to a point `right`, `up` pixels from the middle of the view."""
         box = self.page.locator("canvas").bounding_box()
         assert box is not None
-        self.page.mouse.move(box["x"] + box["width"] / 2 + to[0], box["y"] + box["height"] / 2 + to[1])
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        self.page.mouse.move(x + to[0], y + to[1])
         self.host.carry()
 
     def message(self, topic: str, kind: Any) -> Any:

@@ -107,11 +107,9 @@ class Rows(dict[str, RowEntry]):
         key, value = f"{parent}#{prop.path[-1]}", holder[prop.label]
         editor = _editor(prop, holder)
         shown_value = "" if prop.convert is booleans else value if editor.kind != "none" else str(value)
-        title = holder.describe(prop)
+        shown = {"value": shown_value, "title": holder.describe(prop)}
         is_open = holder.is_expanded(prop.path)
-        self.put(
-            key, parent, prop.path[-1], edit, editor=editor, value=shown_value, title=title, open=is_open
-        )
+        self.put(key, parent, prop.path[-1], edit, editor=editor, open=is_open, **shown)
         if prop.convert is booleans:
             for name, on in value.items():
                 tick = partial(self._set_check_box, holder, prop.label, name)

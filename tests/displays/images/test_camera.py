@@ -149,7 +149,8 @@ def test_size_missing_in_camera_info_is_that_of_the_whole_image() -> None:
     add(bench)
     described = info(fx=1000.0, fy=1000.0, cx=500.0, cy=3.0)
     described.width = 0
-    inset = show_inset(bench, described, picture=image(np.zeros((HEIGHT, 1000, 3), np.uint8), "rgb8"))
+    picture = image(np.zeros((HEIGHT, 1000, 3), np.uint8), "rgb8")
+    inset = show_inset(bench, described, picture=picture)
     assert inset is not None
     assert inset.aspect == pytest.approx(1000 / HEIGHT)
 

@@ -112,7 +112,8 @@ def test_text_height_is_the_z_scale() -> None:
 
 @pytest.mark.parametrize(("x", "in_letters"), [(0.0, 0.0), (0.6, 2.0), (-0.6, 2.0)])
 def test_text_has_spaces_of_the_x_scale_unless_it_is_zero(x: float, in_letters: float) -> None:
-    words = text(marker(Marker.TEXT_VIEW_FACING, text="a b", scale=Vector3(x=x, z=0.3))).drawables["text"]
+    drawing = text(marker(Marker.TEXT_VIEW_FACING, text="a b", scale=Vector3(x=x, z=0.3)))
+    words = drawing.drawables["text"]
     assert isinstance(words, Text)
     assert words.space_width == pytest.approx(in_letters)
 

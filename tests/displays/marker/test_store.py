@@ -199,9 +199,7 @@ def test_different_markers_with_one_id_in_quick_succession_cause_a_hint() -> Non
 def test_very_many_markers_cause_a_hint_until_they_are_deleted() -> None:
     bench = Bench()
     bench.show(*(marker(Marker.CUBE, number) for number in range(5001)))
-    assert any(
-        hint.startswith("5,001 markers make this view and RViz2 slow") for hint in bench.hints(bench.array)
-    )
+    assert any(hint.startswith("5,001 markers make this view") for hint in bench.hints(bench.array))
     bench.show(marker(Marker.CUBE, 7, action=Marker.DELETE))
     assert not bench.hints(bench.array)
 

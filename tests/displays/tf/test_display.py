@@ -189,7 +189,7 @@ def test_unchanged_frames_send_no_scene_changes() -> None:
     assert received == []
 
 
-def test_properties_of_many_new_frames_are_added_in_one_step(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_properties_of_new_frames_are_added_in_one_step(monkeypatch: pytest.MonkeyPatch) -> None:
     bench = Bench()
     display = bench.session.add("rviz_default_plugins/TF", "TF", {})
     grow = type(display).grow
