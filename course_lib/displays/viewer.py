@@ -130,6 +130,8 @@ class Viewer(KnownAttributes):
             CourseError: The class or property does not exist, or a value is invalid.
         """
         full_class_name = known_name(class_name)
+        if not isinstance(name, str | None):
+            raise CourseError(f"name is {name!r}, expected the display's name, a string")
         if topic is not None:
             properties[getattr(REGISTRY[full_class_name], "topic_label", "Topic")] = topic
         holder = self.session.group(group) if group else None

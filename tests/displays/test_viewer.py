@@ -387,6 +387,11 @@ def test_options_and_tools_are_set_by_their_rviz_labels(graph: Graph, tmp_path: 
         viewer.options["Frame Rat"] = 5
 
 
+def test_display_with_a_name_that_is_not_a_string_is_rejected(graph: Graph) -> None:
+    with pytest.raises(CourseError, match=r"^name is 5, expected the display's name, a string$"):
+        Viewer().add("Marker", "/people", name=cast("Any", 5))
+
+
 def test_displays_are_added_to_groups(graph: Graph, tmp_path: Path) -> None:
     viewer = Viewer()
     boxes, names = viewer.add("Marker", group="Seen"), viewer.add("TF", group="Seen")

@@ -682,4 +682,44 @@ PLAIN_PYTHON = [
         "RecursionError: maximum recursion depth exceeded",
         "__getattr__ reads an attribute that is missing, and so calls itself: leave __getattr__ out.",
     ),
+    (
+        "import numpy as np\nnp.deg2rad('90')",
+        "TypeError: ufunc 'deg2rad' not supported for the input types, and the inputs could not be safely "
+        "coerced to any supported types according to the casting rule ''safe''",
+        "numpy computes with numbers, and one of these is a string or None: print it. `float('90')` makes a "
+        "number of a string.",
+    ),
+    (
+        "import numpy as np\nnp.dot([1, 2], [1, 2], [3])",
+        "TypeError: 'out' must be an array",
+        "np.dot and np.matmul take two values, and the third is where the result is stored: multiply with "
+        "@, one after the other.",
+    ),
+    (
+        "import numpy as np\nnp.array([1.0, 2.0])[0.5]",
+        "IndexError: only integers, slices (`:`), ellipsis (`...`), numpy.newaxis (`None`) and integer or "
+        "boolean arrays are valid indices",
+        "an index is a whole number: // divides without a fraction, and int(…) cuts it off.",
+    ),
+    (
+        "import numpy as np\nnp.array([1, 2, 3]).reshape(2, 2)",
+        "ValueError: cannot reshape array of size 3 into shape (2,2)",
+        "rows times columns is not 3, the number of items: print .shape before.",
+    ),
+    (
+        "import math\nmath.deg2rad(90)",
+        "AttributeError: module 'math' has no attribute 'deg2rad'",
+        "math has `math.radians(90.0)` and math.degrees; deg2rad is in numpy.",
+    ),
+    (
+        "next(iter([]))",
+        "StopIteration",
+        "next(…) found no further item: a for loop ends by itself, and `next(iter([]), None)` has a default.",
+    ),
+    (
+        "rclpy.spin(node, 5)",
+        "AttributeError: 'int' object has no attribute 'add_node'",
+        "an executor is expected here: spin takes the node alone, and self.executor is a name of rclpy's "
+        "own.",
+    ),
 ]

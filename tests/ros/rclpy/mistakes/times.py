@@ -75,4 +75,10 @@ TIMES = [
         "its length in seconds is `Duration(seconds=1.0).nanoseconds / 1e9`, and a Time has nanoseconds, "
         "too.",
     ),
+    (
+        "Time.from_msg(node.get_clock().now())",
+        "TypeError: Must pass a builtin_interfaces.msg.Time object",
+        "Time.from_msg converts a stamp of a message. The time of a clock is a Time already: "
+        "`self.get_clock().now()`.",
+    ),
 ]
