@@ -5,7 +5,7 @@ import builtins
 from collections.abc import Iterator
 
 from course_lib.grading.node_slips import callbacks_of, pairs_of
-from course_lib.grading.slips import Function, emptied_names, parse
+from course_lib.grading.slips import Function, emptied_names, parse, quote
 
 _GROWING = {"append", "extend", "insert", "add", "update", "setdefault", "appendleft"}
 _SHORTENING = {"clear", "pop", "popleft", "remove"}
@@ -25,7 +25,11 @@ def find_growing_list(source: str, *, is_certain: bool = False) -> str:
         if isinstance(outer, ast.ClassDef):
             owners = _created_lists(outer)
             for function in callbacks_of(outer):
-                for slip in _growing(outer, function, owners, is_certain=is_certain):
+                for slip in (
+                    *_growing(outer, function, owners, is_certain=is_certain),
+                    *_kept_entries(outer, function),
+                    *_taken_items(outer, function),
+                ):
                     return slip
     for function in getattr(tree, "body", ()):
         if isinstance(function, Function):
@@ -90,6 +94,49 @@ def _growing(cls: ast.ClassDef, function: Function, owners: set[str], *, is_cert
                 f"{items} is outside of {function.name} and keeps the items of each earlier call: "
                 f"create a new list in {function.name}."
             )
+
+
+def _kept_entries(cls: ast.ClassDef, function: Function) -> Iterator[str]:
+    """Yield a sentence for each dictionary that a callback fills, reads as a whole, and never empties."""
+    used = {ast.unparse(node) for node in ast.walk(cls) if isinstance(node, ast.Attribute)}
+    removed = {ast.unparse(node) for node in ast.walk(cls) if isinstance(node, ast.Delete)}
+    for node in ast.walk(function):
+        match node:
+            case ast.Assign(targets=[ast.Subscript(value=ast.Attribute() | ast.Name() as filled)]):
+                items = ast.unparse(filled)
+            case _:
+                continue
+        is_replaced = any(
+            ast.unparse(target) == items
+            for one in ast.walk(function)
+            if isinstance(one, ast.Assign)
+            for target in one.targets
+        )
+        is_kept = items.startswith("self.") or items in _free_names(function)
+        is_read = f"{items}.values" in used
+        is_emptied = any(f"{items}.{method}" in used for method in _SHORTENING) or any(
+            one.startswith(f"del {items}[") for one in removed
+        )
+        if is_kept and is_read and not is_replaced and not is_emptied:
+            yield (
+                f"{items} keeps the entries of each earlier call of {function.name}: create a new "
+                "dictionary in each call, or remove what is no longer there."
+            )
+
+
+def _taken_items(cls: ast.ClassDef, function: Function) -> Iterator[str]:
+    """Yield a sentence for each list outside of a callback from which each call takes items."""
+    free = _free_names(function)
+    used = {ast.unparse(node) for node in ast.walk(cls) if isinstance(node, ast.Attribute)}
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(func=ast.Attribute(value=ast.Name(id=name), attr="pop" | "remove" | "clear")) if (
+                name in free and not any(f"{name}.{method}" in used for method in _GROWING)
+            ):
+                yield (
+                    f"{quote(node)} takes items out of {name}, which is outside of {function.name}: the next "
+                    f"call has fewer of them. Work with a copy, list({name})."
+                )
 
 
 def _aliases(function: Function) -> dict[str, str]:

@@ -9,6 +9,7 @@ from course_lib.grading.slips import Function, quote, uses
 _INTEGER_TYPE = re.compile(r"(np\.|numpy\.|['\"])?u?int(8|16|32|64)?(['\"])?|np\.integer")
 _FILLED = {"zeros", "ones", "empty", "full", "eye", "arange", "zeros_like", "ones_like", "empty_like"}
 _NANO = {1e9, 1e-9}
+_LONG_AGO = 1e6  # [s]
 
 
 def number_slips(function: Function) -> Iterator[str]:
@@ -18,6 +19,8 @@ def number_slips(function: Function) -> Iterator[str]:
     yield from _integer_arrays(function)
     yield from _nanoseconds(function)
     yield from _filtered_indices(function)
+    yield from _absolute_times(function)
+    yield from _covered_limits(function)
 
 
 def _integer_quotients(function: Function) -> Iterator[str]:
@@ -49,10 +52,21 @@ def _cut_quotients(function: Function) -> Iterator[str]:
             case ast.Assign(
                 targets=[ast.Name(id=name)],
                 value=ast.Call(func=ast.Name(id="int" | "round" as cut), args=[argument]),
-            ) if any(isinstance(part, ast.Div) for part in ast.walk(argument)):
+            ) if any(isinstance(part, ast.Div) for part in ast.walk(argument)) or _is_scaled(argument):
                 places = [inner for other in ast.walk(function) for inner in _integer_operands(other)]
                 if not any(uses(place, name) for place in places):
                     yield f"{cut}( ) leaves out the fraction of {name}: is a whole number meant?"
+
+
+def _is_scaled(node: ast.expr) -> bool:
+    """Return whether a value is a product with a fraction, like steps * 0.02."""
+    match node:
+        case ast.BinOp(op=ast.Mult(), left=left, right=right):
+            return any(
+                isinstance(one, ast.Constant) and isinstance(one.value, float) and one.value % 1
+                for one in (left, right)
+            )
+    return False
 
 
 def _integer_operands(node: ast.AST) -> Iterator[ast.AST]:
@@ -239,3 +253,76 @@ def _filtered_indices(function: Function) -> Iterator[str]:
                 f"{quote(node)} is an index in {name}, the chosen beams, and the angle needs the "
                 "index in all beams: enumerate(message.ranges) gives it with each distance."
             )
+
+
+def _absolute_times(function: Function) -> Iterator[str]:
+    """Yield a sentence for each time since 1970 that is compared with a few seconds."""
+    times = {
+        ast.unparse(node.targets[0])
+        for node in ast.walk(function)
+        if isinstance(node, ast.Assign)
+        and re.search(r"\bnow\(\)\.(nanoseconds|to_msg\(\)\.sec)|\btime\.time\(\)", ast.unparse(node.value))
+        and not any(isinstance(part, ast.Sub | ast.Mod) for part in ast.walk(node.value))
+    }
+    subtracted = {
+        ast.unparse(part)
+        for node in ast.walk(function)
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Sub | ast.Mod)
+        for part in ast.walk(node)
+        if isinstance(part, ast.Name | ast.Attribute)
+    }
+    tables = {
+        node.targets[0].id: node.value
+        for node in ast.walk(function)
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
+    }
+    for node in ast.walk(function):
+        match node:
+            case ast.Compare(left=left, comparators=[limit]) if (
+                name := ast.unparse(left)
+            ) in times - subtracted:
+                value = tables.get(limit.id, limit) if isinstance(limit, ast.Name) else limit
+                numbers = [part.value for part in ast.walk(value) if isinstance(part, ast.Constant)]
+                if numbers and all(isinstance(one, int | float) and one < _LONG_AGO for one in numbers):
+                    yield (
+                        f"{name} counts from 1970 and is never as small as in {quote(node)}: "
+                        "subtract the time of the start, which __init__ stores."
+                    )
+
+
+def _covered_limits(function: Function) -> Iterator[str]:
+    """Yield a sentence for each condition that a wider one before it leaves nothing to."""
+    for node in ast.walk(function):
+        block = getattr(node, "body", None)
+        conditions: list[ast.Compare] = []
+        for statement in block if isinstance(block, list) else []:
+            match statement:
+                case ast.If(test=ast.Compare(ops=[_], comparators=[_]) as test):
+                    wider = [one for one in conditions if _covers(one, test)]
+                    if wider:
+                        yield (
+                            f"{quote(test)} is never true here, because {quote(wider[0])} before it "
+                            "ends the function for these numbers, too: the narrower one comes first."
+                        )
+                    if isinstance(statement.body[-1], ast.Return | ast.Raise | ast.Continue):
+                        conditions.append(test)
+                case ast.If() | ast.Expr():
+                    pass
+                case _:
+                    conditions = []
+
+
+def _covers(wider: ast.Compare, other: ast.Compare) -> bool:
+    """Return whether one comparison with a number is true whenever another one is."""
+    limits = [one.comparators[0] for one in (wider, other)]
+    if ast.unparse(wider.left) != ast.unparse(other.left) or not all(
+        isinstance(one, ast.Constant) and type(one.value) in (int, float) for one in limits
+    ):
+        return False
+    first, second = (one.value for one in limits if isinstance(one, ast.Constant))
+    match wider.ops[0], other.ops[0]:
+        case (ast.Lt(), ast.Lt()) | (ast.LtE(), ast.Lt() | ast.LtE()):
+            return bool(first >= second)  # type: ignore[operator]  # both are numbers
+        case (ast.Gt(), ast.Gt()) | (ast.GtE(), ast.Gt() | ast.GtE()):
+            return bool(first <= second)  # type: ignore[operator]  # both are numbers
+    return False

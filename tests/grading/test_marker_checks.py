@@ -53,7 +53,7 @@ def test_floating_point_rounding_is_tolerated(evidence: MakeEvidence, cube: Make
         (
             {"color__r": 0.0, "color__g": 1.0},
             "the cube's color rgba is (0.00, 1.00, 0.00, 0.80) (green), "
-            "expected (1.00, 0.00, 0.00, 0.80) (red)",
+            "expected (1.00, 0.00, 0.00, 0.80) (red): r and g are exchanged",
             "the color of a marker is wrong",
         ),
         ({"type": 2}, "the sphere is of type SPHERE, expected CUBE", "the type of a marker is wrong"),

@@ -101,6 +101,7 @@ SLIPS = [
     ),
     (("while True:", "    self.paint()"), '"while True" in tick never ends'),
     (("u = round(self.t / 2)", "return u"), "round( ) leaves out the fraction of u"),
+    (("t = int(self.steps * 0.02)", "return t"), "int( ) leaves out the fraction of t"),
     (
         ("before, self.agnle = self.angle, 1.0", "return before"),
         "self.agnle is set and never read, and self.angle is read and never set outside of __init__",
@@ -188,6 +189,18 @@ SLIPS = [
         '"np.argmin(r)" is an index in r, the chosen beams',
     ),
     (
+        ("t = self.get_clock().now().nanoseconds / 1e9", "if t > 5.0:", "    return t"),
+        't counts from 1970 and is never as small as in "t > 5.0"',
+    ),
+    (
+        ("lifts = {1: 1.5, 5: 2.0}", "t = int(time.time())", "if t in lifts:", "    return lifts[t]"),
+        't counts from 1970 and is never as small as in "t in lifts"',
+    ),
+    (
+        ("if x < 25:", "    return 1", "if x < 10:", "    return 2", "return 3"),
+        '"x < 10" is never true here, because "x < 25" before it ends the function',
+    ),
+    (
         ("for one in parameters:", "    if one == 'rate':", "        return one.value"),
         "\"one == 'rate'\" is never true: one is a Parameter, and its name is one.name",
     ),
@@ -196,6 +209,7 @@ RIGHT = [
     ("viewer.save_rviz('a.rviz')", "return Path('a.rviz').read_text()"),
     ("while True:", "    if self.paint():", "        break"),
     ("n = int(self.width / 0.1)", "return range(n)"),
+    ("key = round(stamp * 1000)", "return key"),
     ("marker = Marker(id=number // 2)", "return marker"),
     ("stamp.sec = self.now // 10**9", "return stamp"),
     ("self.timer = 1", "return self.angle"),
@@ -270,6 +284,12 @@ RIGHT = [
     ("return Duration(nanoseconds=start.nanoseconds)",),
     ("return stamp.sec + stamp.nanosec * 1e-9",),
     ("return stamp.sec * 10**9 + stamp.nanosec",),
+    ("t = self.get_clock().now().nanoseconds / 1e9", "if t - self.start > 5.0:", "    return t"),
+    ("t = self.get_clock().now().nanoseconds / 1e9", "if t > self.end:", "    return t"),
+    ("if x < 10:", "    return 1", "if x < 25:", "    return 2", "return 3"),
+    ("if x < 25:", "    y = 1", "if x < 10:", "    y = 2", "return y"),
+    ("if x < 25:", "    return 1", "x = x - 20", "if x < 10:", "    return 2"),
+    ("if x > 25:", "    return 1", "if x < 10:", "    return 2", "return 3"),
     ("good = [d for d in ranges if d > low]", "return ranges.index(min(good)) * scan.angle_increment"),
 ]
 
@@ -408,6 +428,15 @@ def test_list_that_grows_with_each_call_of_a_callback_is_reported(line: str) -> 
         ("", ("m = self.marker", "m.points += [1, 2]"), "self.marker.points keeps the items of"),
         ("", ("MARKERS.append(1)", "return MARKERS[0]"), "MARKERS is outside of tick"),
         ("", ("MARKERS.append(1)", "return MARKERS"), ""),
+        ("", ("self.found[x] = 1", "return self.found.values()"), "self.found keeps the entries of each"),
+        ("", ("FOUND[x] = 1", "return list(FOUND.values())"), "FOUND keeps the entries of each earlier call"),
+        ("", ("self.found[x] = 1", "return self.found[0]"), ""),
+        ("", ("self.found = {}", "self.found[x] = 1", "return self.found.values()"), ""),
+        ("", ("self.found.pop(y)", "self.found[x] = 1", "return self.found.values()"), ""),
+        ("", ("found = {}", "found[x] = 1", "return found.values()"), ""),
+        ("", ("while LAMPS:", "    lamp = LAMPS.pop(0)"), '"LAMPS.pop(0)" takes items out of LAMPS'),
+        ("", ("LAMPS.append(x)", "lamp = LAMPS.pop(0)"), ""),
+        ("", ("lamps = list(LAMPS)", "lamp = lamps.pop(0)"), ""),
         ("", ("MARKERS.clear()", "MARKERS.extend(found)"), ""),
         ("", ("MARKERS = []", "MARKERS.extend(found)"), ""),
         ("", ("found = []", "MARKERS = found", "MARKERS.extend(items)"), ""),
@@ -518,7 +547,9 @@ def test_similar_code_without_a_slip_is_accepted(lines: tuple[str, ...]) -> None
 
 @pytest.mark.parametrize("week", WEEKS)
 def test_solution_has_no_slip(week: str) -> None:
-    assert [slip for cell in cells_of(solution(week)) if (slip := find_slip(cell))] == []
+    # The broken functions of the exercise are to be found by students.
+    cells = [cell for cell in cells_of(solution(week)) if "def broken_" not in cell]
+    assert [slip for cell in cells if (slip := find_slip(cell))] == []
 
 
 @pytest.mark.parametrize("source", ["", "class A(", "x = 1\n" * 10, "def f():\n" + "    " * 200 + "pass"])

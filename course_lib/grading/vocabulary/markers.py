@@ -22,6 +22,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 from numbers import Real
 from typing import Any
 
@@ -716,7 +717,19 @@ def _compare_color(marker: Any, expected: Sequence[float], _: float) -> Iterator
     if not all(is_close(v, e, COLOR_TOLERANCE) for v, e in zip(value, expected, strict=True)):
         hint = " (with a = 0 it is invisible)" if marker.color.a == 0 else ""
         hint = " (colors go from 0 to 1, not to 255)" if max(value) > 1 else hint
-        yield f"'s color {channels} is {_format_color(value)}, expected {_format_color(expected)}{hint}"
+        swap = _exchanged_channels(value, expected) if not hint else ""
+        text = f"'s color {channels} is {_format_color(value)}, expected {_format_color(expected)}"
+        yield f"{text}{swap or hint}"
+
+
+def _exchanged_channels(value: Sequence[float], expected: Sequence[float]) -> str:
+    """Return which two channels of a color have each other's number, or ""."""
+    for i, j in combinations(range(len(expected)), 2):
+        swapped = list(value)
+        swapped[i], swapped[j] = value[j], value[i]
+        if all(is_close(v, e, COLOR_TOLERANCE) for v, e in zip(swapped, expected, strict=True)):
+            return f": {'rgba'[i]} and {'rgba'[j]} are exchanged"
+    return ""
 
 
 def _format_color(color: Sequence[float]) -> str:
