@@ -43,6 +43,12 @@ TWICE_A_SECOND = tuple(
     inputs.detections((walked(PERSON, step + 1 - COUNT), CAR, BICYCLE), at=0.4 + step / 2, delay=DELAY)
     for step in range(COUNT)
 )
+# The dog leaves after the second message, and its marker has to go.
+DOG = inputs.Found(8, "Dog", (-1.5, -2.0, 0.3), (0.9, 0.3, 0.6), 0.7)
+DOG_LEAVES = tuple(
+    inputs.detections((PERSON, CAR, *[DOG] * (step < 2)), at=0.4 + step / 2, delay=DELAY)
+    for step in range(COUNT)
+)
 
 
 def color_of(confidence: float) -> tuple[float, float, float, float]:
@@ -86,6 +92,16 @@ def for_each_message(namespace: str, count: Check, *details: Check) -> tuple[Che
     first = count.requiring(again)
     content = (first, *(check.requiring(again) for check in details), no_more.requiring(first).worth(0.25))
     return (again, *from_messages(namespace, *content))
+
+
+def one_leaves(kind: str, things: str) -> Scenario:
+    """Return a scenario at whose end the marker of the dog has gone with its detection."""
+    again = (
+        expect_topic(MARKERS, ARRAY, at_least=COUNT).titled(f"a MarkerArray of {things} each time").worth(0)
+    )
+    count = expect_marker_count(MARKERS, 2, type=kind).titled(f"two {things}, after one thing has left")
+    checks = (again, count.requiring(again).worth(0.25))
+    return Scenario("one leaves", seconds=3.0, seed=2, inputs=DOG_LEAVES, checks=checks)
 
 
 CONFIDENCE_COLOR = Task(
@@ -141,6 +157,7 @@ BOXES = Task(
                 expect_marker(MARKERS, lifetime=1.0).titled("a lifetime of 1 s"),
             ),
         ),
+        one_leaves("CUBE", "boxes"),
     ),
     ghost=tuple(ghost(found) for found in OBJECTS),
 )
@@ -183,6 +200,7 @@ LABELS = Task(
                 expect_marker(MARKERS, lifetime=1.0).titled("a lifetime of 1 s"),
             ),
         ),
+        one_leaves("TEXT_VIEW_FACING", "labels"),
     ),
     personal={"letters": (0.2, 0.25, 0.35, 0.4, 0.45)},  # [m]; without 0.3, the value in the lesson
 )

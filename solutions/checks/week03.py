@@ -30,6 +30,11 @@ OTHERS = tuple(
     inputs.detections((TRUCK, DOG, CHILD), at=0.1 + step / 5, frame="odom", delay=DELAY)
     for step in range(COUNT)
 )
+# The dog leaves after five messages.
+DOG_LEAVES = tuple(
+    inputs.detections((TRUCK, CHILD, *[DOG] * (step < 5)), at=0.1 + step / 5, frame="odom", delay=DELAY)
+    for step in range(16)
+)
 SURE = replace(DOG, confidence=my("threshold"))  # just sure enough
 UNSURE = replace(TRUCK, confidence=my("threshold", times=0.99))
 CIRCLING = tuple(
@@ -62,6 +67,13 @@ def for_each_message(namespace: str, count: Check, *details: Check) -> tuple[Che
     first = count.requiring(again)
     no_more = expect_topic(MARKERS, ARRAY, at_most=COUNT).requiring(first).worth(0.25)
     return from_messages(namespace, first, *(check.requiring(again) for check in details), no_more)
+
+
+def one_leaves(kind: str) -> Scenario:
+    """Return a scenario at whose end the marker of the dog has gone with its detection."""
+    again = expect_topic(MARKERS, ARRAY, at_least=16).worth(0)
+    checks = (expect_marker_count(MARKERS, 2, type=kind).requiring(again),)
+    return Scenario("the dog leaves", seconds=3.2, seed=8, inputs=DOG_LEAVES, checks=checks)
 
 
 HIDDEN = {
@@ -97,6 +109,7 @@ HIDDEN = {
                 expect_marker(MARKERS, lifetime=1.0),
             ),
         ),
+        one_leaves("CUBE"),
     ),
     "week03.labels": (
         Scenario(
@@ -114,6 +127,7 @@ HIDDEN = {
                 expect_marker(MARKERS, lifetime=1.0),
             ),
         ),
+        one_leaves("TEXT_VIEW_FACING"),
     ),
     "week03.sure_boxes": (
         Scenario(

@@ -1,11 +1,15 @@
 """Week 6, tooling and diagnostics: hidden scenarios and checks."""
 
+import re
 from collections.abc import Iterable, Iterator
 
 from course_lib.grading import (
     Call,
+    Check,
+    Evidence,
     Message,
     Scenario,
+    Verdict,
     expect_display,
     expect_drawn,
     expect_fact,
@@ -17,8 +21,10 @@ from course_lib.grading import (
     expect_stamps,
     expect_throughout,
     expect_value,
+    failed,
     inputs,
     my,
+    passed,
 )
 
 IMAGES, DIAGNOSTICS = "/camera/image_raw", "/diagnostics"
@@ -48,6 +54,19 @@ ROBOT = tuple(message for n in range(1, 5) for message in robot_messages(n / 2))
 
 PIXELS = expect_images(IMAGES).requiring(expect_throughout(IMAGES))
 FOLLOWS = expect_rate(IMAGES, 60.0, begin=5.1, end=5.9).requiring(PIXELS)
+REJECTION = re.compile(r"^At (\d+\.\d+) s: Setting parameter failed", re.MULTILINE)
+
+
+def rejects_rates(evidence: Evidence) -> Verdict:
+    """Expect `ros2 param set` to fail for 0 Hz, set at 6 s, and for 75 Hz, set at 8 s."""
+    times = [float(at) for at in REJECTION.findall(evidence.output)]  # [s]
+    for rate, begin in ((0.0, 6.0), (75.0, 8.0)):  # [Hz], [s]
+        if not any(begin <= at < begin + 2.0 for at in times):
+            message = f"ros2 param set /camera frame_rate {rate} succeeded, expected that it is rejected"
+            return failed(message, "a value is wrong")
+    return passed("ros2 param set reports that setting the parameter failed")
+
+
 TF_DRAWN = expect_drawn("TF", ROBOT)
 OTHER_TOPICS = expect_value(
     [
@@ -89,7 +108,7 @@ HIDDEN = {
             seed=5,
             inputs=(
                 inputs.set_parameters("/camera", 2.0, frame_id="lens"),
-                inputs.set_parameters("/camera", 4.0, frame_rate=40.0),
+                inputs.set_parameters("/camera", 4.0, frame_rate=37.5),
                 inputs.set_parameters("/camera", 5.0, frame_rate=60.0),
                 inputs.set_parameters("/camera", 6.0, frame_rate=0.0),
                 inputs.set_parameters("/camera", 8.0, frame_rate=75.0),
@@ -97,6 +116,8 @@ HIDDEN = {
             checks=(
                 expect_rate(IMAGES, my("frame_rate"), end=3.9).requiring(FOLLOWS).worth(3),
                 FOLLOWS.worth(3),
+                expect_rate(IMAGES, 37.5, begin=4.1, end=4.9).requiring(FOLLOWS),
+                Check("ros2 param set reports 0 and 75 Hz as rejected", rejects_rates).requiring(FOLLOWS),
                 expect_rate(IMAGES, 60.0, begin=6.1, end=7.9).requiring(FOLLOWS),
                 expect_rate(IMAGES, 60.0, begin=8.1).requiring(FOLLOWS),
                 expect_message(IMAGES, {"header.frame_id": "lens"}).requiring(PIXELS).worth(2),
