@@ -119,7 +119,7 @@ def opened(browser: Browser, peer: Any, drawn: bool = True) -> Iterator[Page]:
         if not drawn:
             page.add_init_script(NO_DRAWING)
         page.goto(peer.url)
-        page.wait_for_selector("canvas")
+        page.wait_for_selector("canvas", timeout=1000 * PATIENCE)
         page.wait_for_timeout(1000 * SETTLE.get(peer.name, 2.0))
         yield page
     finally:  # or meshcat's server stays
@@ -223,7 +223,7 @@ def frames(browser: Browser, kind: Any) -> float:
     try:
         page.add_init_script(COUNT_PICTURES)
         page.goto(peer.url)
-        page.wait_for_selector("canvas")
+        page.wait_for_selector("canvas", timeout=1000 * PATIENCE)
         page.wait_for_timeout(1000 * SETTLE.get(peer.name, 4.0))
         where = np.eye(4)
         before, start, turn = int(page.evaluate("pictures")), time.perf_counter(), 0
