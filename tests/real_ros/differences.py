@@ -179,6 +179,7 @@ MISTAKES = {
             "Marker().scale = 0.2",
             "Marker().pose.position = [0.0, 0, 1.0]",
             "Marker().header = 'map'",
+            "TransformBroadcaster(node).sendTransform(PoseStamped())",
             "Twist().linear = 0.5",
             "PoseStamped().header.stamp.nanosec = node.get_clock().now().nanoseconds",
             "from nav_msgs.msg import OccupancyGrid\nOccupancyGrid().data = [0, 255]",

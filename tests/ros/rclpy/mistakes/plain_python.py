@@ -716,10 +716,4 @@ PLAIN_PYTHON = [
         "StopIteration",
         "next(…) found no further item: a for loop ends by itself, and `next(iter([]), None)` has a default.",
     ),
-    (
-        "rclpy.spin(node, 5)",
-        "AttributeError: 'int' object has no attribute 'add_node'",
-        "an executor is expected here: spin takes the node alone, and self.executor is a name of rclpy's "
-        "own.",
-    ),
 ]
