@@ -2,6 +2,7 @@ import base64
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import msgpack
@@ -118,3 +119,16 @@ def test_notebook_run_without_a_page_is_saved_with_its_final_scene(tmp_path: Pat
     buffers = {tuple(b["path"]): b["data"] for state in states for b in state.get("buffers", ())}
     scene = msgpack.unpackb(base64.b64decode(buffers[("snapshot",)]))
     assert [c["path"] for c in scene["commands"] if c["type"] == "object"] == ["late/box"]
+
+
+def test_message_of_a_page_triggers_no_event_after_which_matplotlib_draws_figures(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    events: list[str] = []
+    shell = SimpleNamespace(events=SimpleNamespace(trigger=events.append))
+    monkeypatch.setattr("IPython.get_ipython", lambda: shell)
+    widget, received = SceneWidget(scene), list[Any]()
+    widget.on_msg(lambda _, content, buffers: received.append(content))
+    content = {"type": "hello"}
+    widget.comm.handle_msg({"content": {"data": {"method": "custom", "content": content}}, "buffers": []})
+    assert (received, events) == ([content], [])
