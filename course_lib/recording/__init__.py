@@ -7,6 +7,7 @@ reads the records of MCAP and SQLite itself up to the damage.
 
 import hashlib
 import os
+import re
 import sqlite3
 import struct
 import sys
@@ -246,6 +247,7 @@ class BagWriter:
 
 
 _MAGIC = b"\x89MCAP0\r\n"
+_SQLITE_MAGIC = b"SQLite format 3\0"
 # Opcodes of MCAP (mcap.dev/spec).
 _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = _OPCODES = (3, 4, 5, 6)
 _TOPICS = "SELECT id, name, type, serialization_format, offered_qos_profiles FROM topics"
@@ -259,6 +261,10 @@ _CDR = "cdr"
 
 class UnsupportedFormatError(CourseError):
     """A bag has messages in a serialization format other than CDR."""
+
+
+class StampError(CourseError):
+    """A message of a bag has a time that ROS cannot represent."""
 
 
 def _check_format(bag: Path, topic: str, serialization_format: str) -> None:
@@ -303,25 +309,40 @@ def salvage(files: Sequence[Path]) -> tuple[list[Sample], str]:
             if file.read(len(LFS_POINTER)) == LFS_POINTER:
                 raise CourseError(f"{path} is not a file of a bag: {NOT_FETCHED}.")
             try:
-                if path.suffix == ".mcap" and not _has_magic(file):
-                    damages.append(f"{path.name} does not begin and end as a MCAP file does")
+                if damage := _find_missing_part(path, file):
+                    damages.append(damage)
+                file.seek(len(_MAGIC))
                 samples.extend(_mcap(file, path) if path.suffix == ".mcap" else _sqlite(path))
             except UnsupportedFormatError:
                 raise
-            # A damaged file can cause any error.
-            except Exception as error:
-                # sqlite3 raises an error with the text None at the end of the file.
-                has_reason = error.args not in ((), (None,), ("None",))
-                damages.append(str(error) if has_reason else "its end is missing")
+            except StampError as error:
+                damages.append(f"{path.name} {error}")
+            # A damaged file can cause any error, whose text is about the reader and not the file.
+            except Exception:
+                damages.append(f"{path.name} has bytes that were changed")
     return sorted(samples, key=lambda sample: sample.stamp_ns), damages[0] if damages else ""
 
 
-def _has_magic(file: BinaryIO) -> bool:
-    """Return whether an MCAP file has its magic bytes at both ends, and seek to the end of the first ones."""
-    file.seek(-min(len(_MAGIC), file.seek(0, os.SEEK_END)), os.SEEK_END)
-    end = file.read()
+def _find_missing_part(path: Path, file: BinaryIO) -> str:
+    """Return which part of an MCAP or SQLite file is missing, judged by its two ends, or ""."""
+    size = file.seek(0, os.SEEK_END)
+    if size == 0:
+        return f"{path.name} is empty"
     file.seek(0)
-    return file.read(len(_MAGIC)) == end == _MAGIC
+    head = file.read(100)
+    if path.suffix == ".mcap":
+        file.seek(-min(len(_MAGIC), size), os.SEEK_END)
+        begins, ends = head.startswith(_MAGIC), file.read() == _MAGIC
+        kind = "an MCAP file"
+    else:
+        begins = head.startswith(_SQLITE_MAGIC) and len(head) == 100
+        # The header has the size of a page, in which 1 stands for 65536, and the number of pages.
+        page_size, page_count = struct.unpack_from(">H10xI", head, 16) if begins else (0, 0)
+        ends = size >= (2**16 if page_size == 1 else page_size) * page_count
+        kind = "a SQLite file"
+    if not begins:
+        return f"{path.name} does not begin as {kind} does"
+    return "" if ends else f"the end of {path.name} is missing"
 
 
 def _mcap(file: BinaryIO, path: Path) -> Iterator[Sample]:
@@ -367,9 +388,9 @@ def _unpack_records(file: BinaryIO) -> Iterator[tuple[int, bytes]]:
 
 
 def _check_stamp(stamp_ns: int) -> None:
-    """Raise a ValueError for a time above 63 bits, which MCAP can store but ROS cannot."""
+    """Raise a StampError for a time above 63 bits, which MCAP can store but ROS cannot."""
     if stamp_ns >= 2**63:
-        raise ValueError(f"a message has the time {stamp_ns} ns, which exceeds the largest time of ROS")
+        raise StampError(f"has a message with the time {stamp_ns} ns, which exceeds the largest time of ROS")
 
 
 def _decompress(compression: str, data: bytes) -> bytes:
@@ -468,30 +489,63 @@ def read_bag(folder: str | Path) -> Recording:
     try:
         check_size(path / METADATA, MOST_TEXT)
         with Reader(path) as reader:
-            return Recording(tuple(_samples(reader)))
+            samples, listed_count = _samples(reader), reader.message_count
     # A damaged file can cause many kinds of errors in rosbags, its decompressors and SQLite.
     except Exception as error:
         for topic in _topics_in_metadata(bag_metadata(path)):
             _check_format(path, topic["name"], topic.get("serialization_format", _CDR))
-        reason = str(error).splitlines()[0].rstrip(".") if str(error) else type(error).__name__
-        if not (path / METADATA).is_file():
-            reason = f"it has no {METADATA}. If its program still runs, writer.close() completes it"
-        return _read_files(path, reason)
+        return _read_files(path, _describe_damage(path, error))
+    if len(samples) < listed_count:
+        sys.stderr.write(
+            f"warning: The bag {path} is damaged: {format_count(listed_count, 'message')} should be "
+            f"in it, as its {METADATA} states, and {len(samples)} can be read. For the others, copy "
+            "the bag again from where it was recorded, or record it again.\n"
+        )
+    return Recording(tuple(samples))
+
+
+def _describe_damage(bag: Path, error: Exception) -> str:
+    """Describe why rosbags cannot read a bag as a whole.
+
+    Its own texts are used where they are about the bag. Others quote Python's error.
+    """
+    from rosbags.rosbag2 import ReaderError
+
+    path = bag / METADATA
+    if not path.is_file():
+        return f"it has no {METADATA}. If its program still runs, writer.close() completes it"
+    text = str(error).partition("\n")[0].rstrip(".").partition("; please")[0]
+    if isinstance(error, ReaderError) and re.search("supported$|^Some database files", text):
+        return text
+    if path.stat().st_size > MOST_TEXT:
+        return f"its {METADATA} is larger than {MOST_TEXT // 2**20} MB"
+    # rosbags reads these entries before it opens the files.
+    required = {"version", "storage_identifier", "topics_with_message_count", "message_count"}
+    if bag_metadata(bag).keys() >= required:
+        return "its files have bytes that were changed"
+    return (
+        f"its {METADATA} {'is malformed' if path.read_bytes().strip() else 'is empty'}. It should "
+        "list the files and topics under rosbag2_bagfile_information. The kit reads a bag without "
+        f"it; on a computer with ROS, delete it and run `ros2 bag reindex {bag}`"
+    )
 
 
 def _read_files(path: Path, reason: str) -> Recording:
     """Read the complete messages of a bag's files.
 
-    A warning reports the reason, or the damage of a file.
+    A warning reports the damage of a file, or the reason why the bag cannot be read as a whole.
     """
     samples, damage = salvage(data_files(path))
     if not (reason or damage):
         return Recording(tuple(samples))
-    text = f"The bag {path} is damaged or was cut off: {(reason or damage).rstrip('.')}"
+    text = f"The bag {path} is damaged or was cut off: {damage or reason}"
+    again = "copy the bag again from where it was recorded, or record it again."
     if not samples:
-        raise CourseError(text)
+        raise CourseError(f"{text}. No complete message is in it: {again}")
     message_count = format_count(len(samples), "message")
-    sys.stderr.write(f"warning: {text}. Read from its beginning, up to the damage: {message_count}.\n")
+    advice = f", up to the damage: {message_count}. For the others, {again}"
+    end = advice if damage else f" to its end: {message_count}."
+    sys.stderr.write(f"warning: {text}. Read from its beginning{end}\n")
     return Recording(tuple(samples))
 
 

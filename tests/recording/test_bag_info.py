@@ -78,8 +78,8 @@ def test_events_of_services_are_listed_as_services(tmp_path: Path) -> None:
         "Messages:          1",
         "Topic information: Topic: /b | Type: std_msgs/msg/String | Count: 1 | Serialization Format: cdr",
         "Service:           1",
-        "Service information: Service: /a | Type: example_interfaces/srv/AddTwoInts | Event Count: 2 | "
-        "Serialization Format: cdr",
+        "Service information: Service: /a | Type: example_interfaces/srv/AddTwoInts | Event "
+        "Count: 2 | Serialization Format: cdr",
     ]
 
 

@@ -1,5 +1,6 @@
 """Bags that were cut off open up to the last whole message, wherever the cut is."""
 
+import re
 import struct
 import tracemalloc
 from dataclasses import replace
@@ -75,7 +76,7 @@ def test_bag_truncated_anywhere_gives_the_messages_before_the_cut(
     assert last == len(recording.samples)
     assert {sample.qos for sample in part.samples} == {Qos(), LATCHED}
     assert "is damaged or was cut off: " in (said := capsys.readouterr().err)
-    assert said.splitlines()[0].endswith(" messages.")
+    assert said.splitlines()[0].endswith(" messages. For the others, " + _AGAIN)
 
 
 @pytest.mark.sample(1)
@@ -146,6 +147,90 @@ def test_truncated_single_file_is_read_with_a_warning(
     assert "None" not in warning
 
 
+@pytest.mark.parametrize(
+    ("text", "damage"),
+    [
+        ("", "is empty"),
+        ("[", "is malformed"),
+        ("a word", "is malformed"),
+        ("rosbag2_bagfile_information: 3", "is malformed"),
+        ("rosbag2_bagfile_information: {relative_file_paths: [recording.mcap]}", "is malformed"),
+    ],
+)
+def test_warning_about_malformed_metadata_names_the_file_and_the_next_step(
+    text: str, damage: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = tmp_path / "bag"
+    write_bag(make_recording(5), bag)
+    (bag / "metadata.yaml").write_text(text)
+    assert len(read_bag(bag).samples) == 5
+    assert capsys.readouterr().err == (
+        f"warning: The bag {bag} is damaged or was cut off: its metadata.yaml {damage}. It should list "
+        "the files and topics under rosbag2_bagfile_information. The kit reads a bag without it; on a "
+        f"computer with ROS, delete it and run `ros2 bag reindex {bag}`. Read from its beginning to "
+        "its end: 5 messages.\n"
+    )
+
+
+_AGAIN = "copy the bag again from where it was recorded, or record it again."
+
+
+@pytest.mark.parametrize("first", [20, 60, 1000, 3000, 6000])
+def test_warning_about_changed_bytes_does_not_quote_the_reader(
+    first: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = write(make_recording(60), tmp_path / "bag", StoragePlugin.MCAP)
+    data = bytearray(file.read_bytes())
+    data[first:-100:7919] = bytes(byte ^ 0xFF for byte in data[first:-100:7919])
+    file.write_bytes(data)
+    try:
+        read_bag(tmp_path / "bag")
+    except CourseError as error:
+        report = str(error)
+    else:
+        report = capsys.readouterr().err
+    assert re.fullmatch(
+        r"|(warning: )?The bag \S+ is damaged( or was cut off: (its files have|\S+ has) bytes that were "
+        r"changed\. .*|: 60 messages should be in it, .*)\n?",
+        report,
+    )
+    if "to its end" not in report:
+        assert report == "" or report.rstrip().endswith(_AGAIN)
+
+
+def test_messages_that_an_mcap_file_lost_are_counted_in_a_warning(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag = tmp_path / "bag"
+    write_bag(make_recording(5), bag)
+    metadata = bag / "metadata.yaml"
+    text = metadata.read_text()
+    assert "\n  message_count: 5\n" in text
+    metadata.write_text(text.replace("\n  message_count: 5\n", "\n  message_count: 7\n"))
+    assert len(read_bag(bag).samples) == 5
+    assert capsys.readouterr().err == (
+        f"warning: The bag {bag} is damaged: 7 messages should be in it, as its metadata.yaml states, "
+        f"and 5 can be read. For the others, {_AGAIN}\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("size", "damage"),
+    [
+        (0, "is empty"),
+        (50, "does not begin as a SQLite file does"),
+        (3000, "the end of bag.db3 is missing"),
+    ],
+)
+def test_error_about_a_truncated_sqlite_file_says_what_to_do(size: int, damage: str, tmp_path: Path) -> None:
+    file = write(make_recording(10), tmp_path / "bag", StoragePlugin.SQLITE3)
+    file.write_bytes(file.read_bytes()[:size])
+    with pytest.raises(CourseError) as refused:
+        read_bag(tmp_path / "bag")
+    assert damage in str(refused.value)
+    assert str(refused.value).endswith(f"No complete message is in it: {_AGAIN}")
+
+
 def test_info_of_a_bag_with_a_renamed_file_lists_the_existing_file(tmp_path: Path) -> None:
     write_bag(make_recording(3), tmp_path / "bag")
     (tmp_path / "bag" / "recording.mcap").rename(tmp_path / "bag" / "walk.mcap")
@@ -179,7 +264,7 @@ def test_unwritten_space_of_an_mcap_file_is_not_parsed(tmp_path: Path) -> None:
     with bag.open("wb") as file:
         file.truncate(300_000_000)
     # Zeros that were parsed as records without content would take minutes.
-    with pytest.raises(CourseError, match="does not begin and end as a MCAP file does"):
+    with pytest.raises(CourseError, match="does not begin as an MCAP file does"):
         read_bag(bag)
 
 
@@ -225,7 +310,7 @@ def test_huge_file_without_messages_is_rejected_within_little_memory(opcode: int
         huge.truncate(2**27)
     tracemalloc.start()
     try:
-        with pytest.raises(CourseError, match="does not begin and end as a MCAP file does"):
+        with pytest.raises(CourseError, match="does not begin as an MCAP file does"):
             read_bag(file)
         peak = tracemalloc.get_traced_memory()[1]
     finally:
