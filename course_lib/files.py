@@ -91,8 +91,8 @@ def draft_folder(target: Path) -> Iterator[Path]:
 def _exit_on_signals() -> Iterator[None]:
     """Raise SystemExit for signals that would end the program without deleting its temporary files.
 
-    Signals with a handler are left to it, and so are all signals in a thread, where Python allows no
-    handlers.
+    Signals with a handler are left to it, and so are all signals in a thread, where Python allows
+    no handlers.
     """
     # Windows has no SIGHUP.
     numbers = [getattr(signal, name, signal.SIGTERM) for name in ("SIGTERM", "SIGHUP")]

@@ -46,8 +46,8 @@ def read_text(path: Path, errors: str = "strict") -> str:
         errors: What to do with bytes that are not UTF-8, as for `open`.
 
     Raises:
-        OSError: The path is not a regular file that can be read, has more than MOST_TEXT bytes, or is
-            a pointer of Git LFS.
+        OSError: The path is not a regular file that can be read, has more than MOST_TEXT bytes, or
+            is a pointer of Git LFS.
         UnicodeDecodeError: The file is not UTF-8.
     """
     check_size(path, MOST_TEXT)
@@ -76,8 +76,8 @@ def check_size(path: Path, most: int) -> None:
 def check_regular(path: Path) -> os.stat_result:
     """Return the status of a file or folder; raise an OSError for a named pipe, socket or device.
 
-    Opening a pipe waits for a program that writes to it, and a device may have no end. Opening a folder
-    raises the usual error.
+    Opening a pipe waits for a program that writes to it, and a device may have no end. Opening a
+    folder raises the usual error.
     """
     status = path.stat()
     kind = next((name for is_kind, name in _SPECIAL_FILES.items() if is_kind(status.st_mode)), "")
@@ -103,8 +103,8 @@ def compile_python(source: str | bytes, file: str = "<unknown>", flags: int = 0)
 
     Raises:
         ValueError: The program contains characters that cannot be encoded.
-        SyntaxError: The program is not Python, contains null bytes, or is nested more deeply than Python
-            can compile. Python itself would raise a MemoryError or RecursionError.
+        SyntaxError: The program is not Python, contains null bytes, or is nested more deeply than
+            Python can compile. Python itself would raise a MemoryError or RecursionError.
     """
     before, null, _ = source.partition("\0") if isinstance(source, str) else source.partition(b"\0")
     if null:
@@ -137,9 +137,9 @@ def parse_python(source: str | bytes) -> ast.Module:
 def parse_scopes(source: str) -> symtable.SymbolTable:
     """Return the symbol table of a program, with a scope for each comprehension in all Python versions.
 
-    Since Python 3.12 (PEP 709) the variables of list, set and dict comprehensions are symbols of the
-    enclosing scope, where they look like its own variables. Generator expressions keep a scope, so
-    comprehensions are replaced by them.
+    Since Python 3.12 (PEP 709) the variables of list, set and dict comprehensions are symbols of
+    the enclosing scope, where they look like its own variables. Generator expressions keep a scope,
+    so comprehensions are replaced by them.
     """
     tree = _ComprehensionsToGenerators().visit(parse_python(source))
     return symtable.symtable(ast.unparse(tree), "<unknown>", "exec")

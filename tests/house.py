@@ -1,8 +1,8 @@
 """Print how course_lib is cut: `python -m tests.house [FOLDER]`.
 
-Each line counts once: as blank, comment (a line of its own), docstring, import or code. Functions are
-all `def`s, methods and nested functions included; a function's length runs from its `def` to its last
-line. The figures describe the code; no test asserts them.
+Each line counts once: as blank, comment (a line of its own), docstring, import or code. Functions
+are all `def`s, methods and nested functions included; a function's length runs from its `def` to
+its last line. The figures describe the code; no test asserts them.
 """
 
 import ast

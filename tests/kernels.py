@@ -1,6 +1,7 @@
 """Kernels for nbmake and nbclient that communicate through IPC files instead of ports.
 
-Jupyter chooses a kernel's ports before the kernel listens on them. A test beside it may take one meanwhile.
+Jupyter chooses a kernel's ports before the kernel listens on them. A test beside it may take one
+meanwhile.
 """
 
 import tempfile

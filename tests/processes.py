@@ -18,8 +18,8 @@ LIMIT_OF_A_SERVER = 1800.0  # [s], of one that serves all tests of a file
 class Program(subprocess.Popen[str]):
     """A process whose pipes carry text. The end of a `with` block kills it together with its children.
 
-    A process that runs longer than its limit is killed, too. That ends every wait for it: `readline` returns
-    an empty string, `wait` and `communicate` raise `TimeoutExpired`.
+    A process that runs longer than its limit is killed, too. That ends every wait for it:
+    `readline` returns an empty string, `wait` and `communicate` raise `TimeoutExpired`.
 
     Args:
         command: The program and its arguments.

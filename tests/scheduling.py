@@ -1,8 +1,8 @@
 """Which files are collected, and which worker of pytest-xdist runs which of them.
 
-Pages draw in software, and their live nodes work for as long as a test waits: one browser keeps a processor
-busy. Tests of networks wait without work. In the order of their names, all workers would run browsers at the
-same time, and later all of them would wait.
+Pages draw in software, and their live nodes work for as long as a test waits: one browser keeps a
+processor busy. Tests of networks wait without work. In the order of their names, all workers would
+run browsers at the same time, and later all of them would wait.
 """
 
 import re
@@ -35,8 +35,8 @@ LONGEST = (
     "tests/authoring/test_flaws.py",
 )
 Kind = Literal["browser", "busy", "waiting"]
-# The kinds that the workers run first, and again from the fifth one on. The fourth one runs what the
-# processors have time for while browsers and networks wait.
+# The kinds that the workers run first, and again from the fifth one on. The fourth one runs what
+# the processors have time for while browsers and networks wait.
 FIRST: tuple[Kind, ...] = ("browser", "busy", "waiting", "busy")
 # What a worker takes that has no files of its kind left. A browser and a JupyterLab would be
 # started for it.
@@ -53,8 +53,8 @@ def kind_of(file: str) -> Kind:
 class ByKind(LoadFileScheduling):  # type: ignore[misc]  # as above
     """Assign browsers to one worker, waiting tests to another one, and other files to the others.
 
-    A worker runs the files of one kind one after the other: those with browsers share one and a JupyterLab.
-    The longest files of each kind come first.
+    A worker runs the files of one kind one after the other: those with browsers share one and a
+    JupyterLab. The longest files of each kind come first.
     """
 
     def _assign_work_unit(self, node: Any) -> None:

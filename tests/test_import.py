@@ -43,8 +43,8 @@ def test_importing_the_kit_loads_no_heavy_modules() -> None:
 
 def test_checking_in_a_kernel_imports_neither_the_jail_nor_process_pools() -> None:
     code = (
-        "import sys, course_lib; from course_lib.ros.programs import import_path; import_path.install(); "
-        "import course_lib.grading.check; print(*sys.modules)"
+        "import sys, course_lib; from course_lib.ros.programs import import_path; "
+        "import_path.install(); import course_lib.grading.check; print(*sys.modules)"
     )
     loaded = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=PATIENCE

@@ -1,7 +1,8 @@
 """Layouts that others have made open, and are saved so that nothing changes any more.
 
-tests/data has layouts that RViz2 reads. The folder that COURSE_LAYOUTS names may hold more, for instance
-those of navigation2, turtlebot3 or moveit2; the documents in that of COURSE_SEEDS show one.
+tests/data has layouts that RViz2 reads. The folder that COURSE_LAYOUTS names may hold more, for
+instance those of navigation2, turtlebot3 or moveit2; the documents in that of COURSE_SEEDS show
+one.
 """
 
 import os

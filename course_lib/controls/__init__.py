@@ -52,8 +52,8 @@ class IntSlider(Slider):
 class ControlBox(VBox):  # type: ignore[misc]  # ipywidgets has no types
     """A column of controls that is still readable after its kernel has ended.
 
-    When JupyterLab saves the notebook, its extension of this kit adds the values as HTML. Pages that
-    have neither widgets nor this HTML show a text.
+    When JupyterLab saves the notebook, its extension of this kit adds the values as HTML. Pages
+    that have neither widgets nor this HTML show a text.
 
     Args:
         children: The controls.

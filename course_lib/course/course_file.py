@@ -87,8 +87,8 @@ class Limits:
     def memory_of_all_processes(self) -> float:
         """The limit on the memory of all processes of a submission together [MB].
 
-        A node runs in a fork of the process that ran the cells, and what they share counts twice. So
-        these two can never exceed this limit before one of them exceeds its own.
+        A node runs in a fork of the process that ran the cells, and what they share counts twice.
+        So these two can never exceed this limit before one of them exceeds its own.
         """
         return 2 * self.memory_megabytes
 

@@ -10,8 +10,8 @@ sys.modules["rfc3987_syntax"] = None  # type: ignore[assignment]  # an import ra
 def kernel_options() -> list[str]:
     """Return options that encrypt the messages of kernels, where Jupyter and libzmq support it.
 
-    Recent versions of ipykernel warn in the terminal of `course lab`, below the address that students
-    open, if there is no encryption. Older servers report the option itself as unknown.
+    Recent versions of ipykernel warn in the terminal of `course lab`, below the address that
+    students open, if there is no encryption. Older servers report the option itself as unknown.
     """
     import zmq
     from jupyter_server.services.kernels.kernelmanager import MappingKernelManager

@@ -494,7 +494,8 @@ class TopicDisplay(Display):
     def receive(self, message: Any) -> None:
         """Process a message, or queue it until its transform is known.
 
-        If the queue is full the oldest message is dropped, as is one that is older than the cache of tf2.
+        If the queue is full the oldest message is dropped, as is one that is older than the cache
+        of tf2.
         """
         if not self.queue_length or not hasattr(message, "header"):
             self._accept(message, self.context.now_ns)

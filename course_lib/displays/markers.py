@@ -342,8 +342,8 @@ _RULES = (
     ),
     Rule(
         lambda m: len(m.points) > _MANY,
-        "{n:,} points make every message slow, because each is a Python object. Publish fewer, or a "
-        "PointCloud2 created from a numpy array.",
+        "{n:,} points make every message slow, because each is a Python object. Publish fewer, "
+        "or a PointCloud2 created from a numpy array.",
     ),
     Rule(
         lambda m: m.type in _LISTS and not m.points,
@@ -378,8 +378,8 @@ _RULES = (
     ),
     Rule(
         lambda m: not is_unit(m.pose.orientation, 1e-3) and not _is_zero(m),
-        "orientation ({q.x:g}, {q.y:g}, {q.z:g}, {q.w:g}) does not have length 1: RViz2 draws a wrong "
-        "rotation. Divide it by its length.",
+        "orientation ({q.x:g}, {q.y:g}, {q.z:g}, {q.w:g}) does not have length 1: RViz2 draws a "
+        "wrong rotation. Divide it by its length.",
     ),
 )
 

@@ -482,8 +482,9 @@ _MIN_EFFORT = 0.05
 # Angles of the circle's points; the tip fills the gap.
 _EFFORT_ARC = np.arange(30) * 2 * np.pi / 32
 _NO_LIMIT = (
-    "Joint '{}' has no <limit> tag in URDF. Effort plugin needs to know the effort limit to determine the "
-    "size of the corresponding visual marker. Effort display for this joint will be inhibited."
+    "Joint '{}' has no <limit> tag in URDF. Effort plugin needs to know the effort limit to "
+    "determine the size of the corresponding visual marker. Effort display for this joint will "
+    "be inhibited."
 )
 _SIZES_DIFFER = "Received a joint state msg with different joint names and efforts size!"
 

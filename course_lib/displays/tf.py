@@ -186,8 +186,8 @@ _FRAME_VALUES = ("Parent", "Position", "Orientation", "Relative Position", "Rela
 class Appearance(NamedTuple):
     """The appearance of a frame."""
 
-    # Time since its last transform, relative to the timeout. The frame turns gray from 1/3 to 2/3 and
-    # fades out until 1.
+    # Time since its last transform, relative to the timeout. The frame turns gray from 1/3 to 2/3
+    # and fades out until 1.
     age: float
     # The value of Marker Scale.
     scale: float

@@ -447,8 +447,8 @@ def node_modules(file: Path, nodes: Sequence[str]) -> tuple[list[NodeModule], di
     if not started or (reasons_by_class and nodes):
         reasons = "; ".join(f"{name}() {why}" for name, why in reasons_by_class.items())
         raise CourseError(
-            f"No class can be started by itself: {reasons}. Give defaults, or make them parameters: "
-            "self.declare_parameter(…)."
+            f"No class can be started by itself: {reasons}. Give defaults, or make them "
+            "parameters: self.declare_parameter(…)."
         )
     bindings = {one for module in started for part in module.statements for one in part.bindings}
     helper_modules = [

@@ -232,8 +232,8 @@ def find_student(users: Sequence[GatewayUser], query: str) -> GatewayUser:
             return user
     if [user.student for user in users if user.name != ROBOT] == [GUEST]:
         raise CourseError(
-            f"--driver {query}: this folder has no class. Start the gateway with --students CSV, or "
-            "pass the --folder of the one that has a class"
+            f"--driver {query}: this folder has no class. Start the gateway with --students CSV, "
+            "or pass the --folder of the one that has a class"
         )
     raise CourseError(
         f"--driver {query}: no such student. The file {TOKENS} in the gateway's folder lists all "

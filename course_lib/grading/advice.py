@@ -353,7 +353,8 @@ def _silence_hint(code: Code) -> str:
 def _growing_list_hint(task: Task, result: TaskResult, source: str) -> str:
     """Return a sentence about a list that grows, or "".
 
-    A list that gets one item in each call is a reason only if a failed check found too many or old items.
+    A list that gets one item in each call is a reason only if a failed check found too many or old
+    items.
     """
     failed = {kind for check in result.checks if not check.passed for kind in check.mistake.split("; ")}
     found_surplus = bool(failed & (_OLD_ITEMS | _SURPLUS - set(task.mistakes)))
@@ -457,8 +458,8 @@ def parameter_order_hint(task: Task, source: str) -> list[str]:
             if node.args.vararg is None and not most - len(node.args.defaults) <= len(expected) <= most:
                 count = format_count(most, "parameter")
                 return [
-                    f"Hint: {task.name} has {count} here, and {len(expected) or 'none'} in the exercise: "
-                    f"write def {task.name}({', '.join(expected)})."
+                    f"Hint: {task.name} has {count} here, and {len(expected) or 'none'} in the "
+                    f"exercise: write def {task.name}({', '.join(expected)})."
                 ]
     for name, own in _parameters(tree):
         expected = given.get(name, [])

@@ -335,8 +335,8 @@ def _extension_lines(submissions: Iterable[Submission], settings: CourseFile) ->
     for week in sorted(weeks):
         if unknown := settings.unknown_extensions(week, students):
             yield (
-                f"note: the extensions of {week} in course.toml contain {join_few(unknown)}: there is no "
-                "such group, and no such student has submitted anything."
+                f"note: the extensions of {week} in course.toml contain {join_few(unknown)}: "
+                "there is no such group, and no such student has submitted anything."
             )
 
 

@@ -134,8 +134,9 @@ def _taken_items(cls: ast.ClassDef, function: Function) -> Iterator[str]:
                 name in free and not any(f"{name}.{method}" in used for method in _GROWING)
             ):
                 yield (
-                    f"{quote(node)} takes items out of {name}, which is outside of {function.name}: the next "
-                    f"call has fewer of them. Work with a copy, list({name})."
+                    f"{quote(node)} takes items out of {name}, which is outside of "
+                    f"{function.name}: the next call has fewer of them. Work with a copy, "
+                    f"list({name})."
                 )
 
 
@@ -226,8 +227,8 @@ def _kept_containers(function: Function) -> Iterator[str]:
                 continue
         if name in free and not _is_emptied(function, name):
             yield (
-                f"{name} is outside of {function.name} and keeps what each earlier call put into it: "
-                f"create it in {function.name}."
+                f"{name} is outside of {function.name} and keeps what each earlier call put into "
+                f"it: create it in {function.name}."
             )
 
 

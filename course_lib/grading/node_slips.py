@@ -75,8 +75,8 @@ def _repeated_methods(cls: ast.ClassDef) -> Iterator[str]:
     for name, count in names.items():
         if count > 1:
             yield (
-                f"{cls.name} has def {name} {count} times, and only the last one counts: delete the "
-                "others, or give them names of their own."
+                f"{cls.name} has def {name} {count} times, and only the last one counts: delete "
+                "the others, or give them names of their own."
             )
 
 
@@ -142,8 +142,8 @@ def _odd_parameter_callbacks(cls: ast.ClassDef) -> Iterator[str]:
             ) if name in methods:
                 if isinstance(methods[name], ast.AsyncFunctionDef):
                     yield (
-                        f"async makes {name} return a coroutine instead of a result, so ROS rejects "
-                        "each value: leave async out."
+                        f"async makes {name} return a coroutine instead of a result, so ROS "
+                        "rejects each value: leave async out."
                     )
                 elif _may_end_without_return(methods[name].body):
                     yield (
@@ -200,8 +200,8 @@ def _undeclared_names(cls: ast.ClassDef) -> Iterator[str]:
                             left=ast.Name(id=left), ops=[ast.Eq()], comparators=[ast.Constant(value=str())]
                         ) if left == one and uses & {"name", "value"}:
                             yield (
-                                f"{quote(part)} is never true: {one} is a Parameter, and its name is "
-                                f"{one}.name."
+                                f"{quote(part)} is never true: {one} is a Parameter, and its name "
+                                f"is {one}.name."
                             )
 
 
@@ -288,8 +288,9 @@ def _uncalled_methods(cls: ast.ClassDef) -> Iterator[str]:
         )
         if sets_attribute and function.name not in used and not function.name.startswith(("__", "destroy_")):
             yield (
-                f"Nothing calls {function.name}: write self.{function.name}() where its lines are to run, or "
-                "pass it on, to create_timer, create_subscription or add_on_set_parameters_callback."
+                f"Nothing calls {function.name}: write self.{function.name}() where its lines are "
+                "to run, or pass it on, to create_timer, create_subscription or "
+                "add_on_set_parameters_callback."
             )
 
 

@@ -196,8 +196,9 @@ def _nanoseconds(function: Function) -> Iterator[str]:
                 _ends_with(one, "nanosec") for one in ast.walk(right)
             ):
                 yield (
-                    f"{quote(node)} is not a number of seconds: nanosec counts billionths, so write "
-                    f"{ast.unparse(left)} + {ast.unparse(left).removesuffix('sec')}nanosec / 1e9."
+                    f"{quote(node)} is not a number of seconds: nanosec counts billionths, so "
+                    f"write {ast.unparse(left)} + {ast.unparse(left).removesuffix('sec')}nanosec "
+                    "/ 1e9."
                 )
     kept = {
         ast.unparse(target)
@@ -301,8 +302,9 @@ def _covered_limits(function: Function) -> Iterator[str]:
                     wider = [one for one in conditions if _covers(one, test)]
                     if wider:
                         yield (
-                            f"{quote(test)} is never true here, because {quote(wider[0])} before it "
-                            "ends the function for these numbers, too: the narrower one comes first."
+                            f"{quote(test)} is never true here, because {quote(wider[0])} before "
+                            "it ends the function for these numbers, too: the narrower one comes "
+                            "first."
                         )
                     if isinstance(statement.body[-1], ast.Return | ast.Raise | ast.Continue):
                         conditions.append(test)

@@ -1,6 +1,7 @@
 """Slips in functions that raise no error, such as `==` for `=`, found in the syntax tree of a student's code.
 
-Those with numbers, units and arrays are in `number_slips.py`, those in classes of nodes in `node_slips.py`.
+Those with numbers, units and arrays are in `number_slips.py`, those in classes of nodes in
+`node_slips.py`.
 """
 
 import ast
@@ -339,8 +340,8 @@ def _shared_parts(block: Sequence[ast.stmt]) -> Iterator[str]:
                     continue
             if name in filled - inside:
                 yield (
-                    f"{name} is a single {created[name]}, created before the loop: the {part} of each "
-                    "item is this one, with the last values. Create it inside the loop."
+                    f"{name} is a single {created[name]}, created before the loop: the {part} of "
+                    "each item is this one, with the last values. Create it inside the loop."
                 )
 
 
@@ -354,8 +355,8 @@ def _lost_loop_values(block: Sequence[ast.stmt]) -> Iterator[str]:
                 body=[*_, ast.Assign(targets=[ast.Name(id=stored)], value=value) as last],
             ) if stored == name and not any(uses(one, name) for one in block[index + 1 :]):
                 yield (
-                    f"{quote(last)} sets the variable of the loop, and {items} stays as it is. Write "
-                    f"{items} = [{ast.unparse(value)} for {name} in {items}]."
+                    f"{quote(last)} sets the variable of the loop, and {items} stays as it is. "
+                    f"Write {items} = [{ast.unparse(value)} for {name} in {items}]."
                 )
 
 
@@ -480,8 +481,8 @@ def _lost_counts(function: Function) -> Iterator[str]:
                 name not in shared and not any(uses(one, name) for one in function.body[index + 1 :])
             ):
                 yield (
-                    f"{quote(statement)} changes a variable that ends with {function.name}, and the "
-                    f"next call begins again: keep the value in self.{name}."
+                    f"{quote(statement)} changes a variable that ends with {function.name}, and "
+                    f"the next call begins again: keep the value in self.{name}."
                 )
 
 
@@ -511,8 +512,8 @@ def _reset_attributes(function: Function) -> Iterator[str]:
                 case _:
                     continue
             yield (
-                f"{quote(statement)} in {function.name} resets it in each call, so that the value of "
-                "the earlier call is lost: set it once, in __init__."
+                f"{quote(statement)} in {function.name} resets it in each call, so that the value "
+                "of the earlier call is lost: set it once, in __init__."
             )
             break
 
@@ -686,8 +687,8 @@ def _constant_conditions(function: Function) -> Iterator[str]:
             ]:
                 other = ast.unparse(fixed[0])
                 yield (
-                    f"{quote(node)} is always true, because {other} alone is true: compare it as well, "
-                    f"{ast.unparse(first.left)} == {other}."
+                    f"{quote(node)} is always true, because {other} alone is true: compare it as "
+                    f"well, {ast.unparse(first.left)} == {other}."
                 )
             case ast.BoolOp(op=operator, values=[ast.Compare() as first, ast.Compare() as second]):
                 limits = _limits(first), _limits(second)

@@ -183,7 +183,8 @@ def lock_folder(out: Path, waiting: Callable[[str], None] | None = None) -> Iter
     with ExitStack() as stack:
         with writing(out):
             out.mkdir(parents=True, exist_ok=True)
-            # Without a buffer, whose second write on closing would replace the error of a full disk.
+            # Without a buffer, whose second write on closing would replace the error of a full
+            # disk.
             file = stack.enter_context((out / LOCK).open("ab+", buffering=0))
             try:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

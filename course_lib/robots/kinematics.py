@@ -213,9 +213,8 @@ def link_poses(robot: Robot, positions: Mapping[str, float] | None = None) -> di
 
     Example:
         >>> from course_lib.robots import load_robot
-        >>> poses = link_poses(load_robot("ur10"), {"shoulder_lift_joint": -1.0, "elbow_joint": 1.5})
-        >>> poses["tool0"][:3, 3].round(2)
-        array([0.78, 0.26, 0.27])
+        >>> poses = link_poses(load_robot("ur10"), {"shoulder_lift_joint": -1.0, "elbow_joint":
+        1.5}) >>> poses["tool0"][:3, 3].round(2) array([0.78, 0.26, 0.27])
     """
     motions = motions_of(robot.tree)
     poses = motions.root_transforms(configuration(robot, positions or {}))
@@ -499,8 +498,8 @@ def straight_line(
         limit = robot.tree.joints[name].velocity
         if speed > limit:
             raise CourseError(
-                f"On this line {name} would move at {speed:.2f} rad/s, but its limit is {limit:.2f}. "
-                "Give it more time, or choose another line."
+                f"On this line {name} would move at {speed:.2f} rad/s, but its limit is "
+                f"{limit:.2f}. Give it more time, or choose another line."
             )
     points = [
         JointTrajectoryPoint(

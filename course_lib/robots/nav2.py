@@ -553,8 +553,8 @@ class LifecycleManager(Node):
             self._managed = list(self.get_parameter("node_names").value)
         except ParameterUninitializedException:
             raise CourseError(
-                "lifecycle_manager: the parameter node_names is missing, the names of the lifecycle nodes: "
-                "parameters=[{'node_names': ['map_server'], 'autostart': True}]"
+                "lifecycle_manager: the parameter node_names is missing, the names of the "
+                "lifecycle nodes: parameters=[{'node_names': ['map_server'], 'autostart': True}]"
             ) from None
         self._is_active = False
         # Reentrant, because its callbacks wait for responses of the managed nodes.

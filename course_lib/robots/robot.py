@@ -91,7 +91,8 @@ def _find_ignoring_case(path: Path) -> Path | None:
     return found if os.path.isfile(found) else None
 
 
-# The folders of packages within `cache_package_searches`: package, file near it, whether `file` is allowed.
+# The folders of packages within `cache_package_searches`: package, file near it, whether `file` is
+# allowed.
 _cached_folders: ContextVar[dict[tuple[str, Path | None, bool], list[Path]] | None] = ContextVar(
     "_cached_folders", default=None
 )
@@ -101,7 +102,8 @@ _cached_folders: ContextVar[dict[tuple[str, Path | None, bool], list[Path]] | No
 def cache_package_searches() -> Iterator[None]:
     """Search the folders of each package once within a `with` block, in which many files are resolved.
 
-    Every search stats all folders of the workspace, because a package may have been added meanwhile.
+    Every search stats all folders of the workspace, because a package may have been added
+    meanwhile.
     """
     token = _cached_folders.set({})
     try:
@@ -617,9 +619,9 @@ def import_pinocchio(package: str) -> Any:
             ) from error
         raise CourseError(
             "Pinocchio's models, for dynamics and collisions, need the package pin, and "
-            f"{error.name} is missing on this machine ({sys.platform}). On Windows it is available "
-            "in WSL2 or from conda-forge (pinocchio); elsewhere run pip install -e . again. Everything "
-            "else works without it."
+            f"{error.name} is missing on this machine ({sys.platform}). On Windows it is "
+            "available in WSL2 or from conda-forge (pinocchio); elsewhere run pip install -e . "
+            "again. Everything else works without it."
         ) from error
 
 

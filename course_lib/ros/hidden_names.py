@@ -49,8 +49,8 @@ def hidden_module_hint(error: BaseException) -> str:
             is_module = name in _MODULES and hasattr(sys.modules.get(_MODULES[name]), str(error.name))
             if is_module and {**frame.f_globals, **frame.f_locals}[name] is error.obj:
                 return (
-                    f"{name} is a variable here, {name} = …, and hides the module {name}: choose another "
-                    "name for it, and import the module again."
+                    f"{name} is a variable here, {name} = …, and hides the module {name}: choose "
+                    "another name for it, and import the module again."
                 )
     return ""
 
@@ -60,8 +60,8 @@ def hidden_property_hint(error: BaseException) -> str:
     frame = frame_of(error)
     if frame is not None and frame.f_code.co_name == "__name_in_events":
         return (
-            "rclpy itself calls get_name() and get_namespace() of a node, which return strings: choose "
-            "another name for your method."
+            "rclpy itself calls get_name() and get_namespace() of a node, which return strings: "
+            "choose another name for your method."
         )
     if frame is None or frame.f_code.co_name != "_reject_hidden_properties":
         return ""

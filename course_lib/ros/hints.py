@@ -45,7 +45,8 @@ _HINTS = {
 }
 
 
-# A function that calls itself more often than this repeats itself in the traceback of a RecursionError.
+# A function that calls itself more often than this repeats itself in the traceback of a
+# RecursionError.
 _FEW_CALLS = 20
 # The hint for None in a field of text, and in one of a number.
 _NONE_VALUE = (
@@ -508,8 +509,8 @@ def _recursion_hint(error: BaseException) -> str:
     frames = [frame for frame, _ in walk_tb(error.__traceback__)]
     if "set_parameters" in (frame.f_code.co_name for frame in frames):
         return (
-            "set_parameters calls this callback again: leave it out. The parameter has its new value "
-            "when the callback has returned `SetParametersResult(successful=True)`."
+            "set_parameters calls this callback again: leave it out. The parameter has its new "
+            "value when the callback has returned `SetParametersResult(successful=True)`."
         )
     counts = Counter(frame.f_code for frame in frames if near_names.is_own_file(frame.f_code.co_filename))
     repeated = [code for code, count in counts.items() if count > _FEW_CALLS]
@@ -551,8 +552,8 @@ def _base_class_hint(error: BaseException) -> str:
     if base is None or isinstance(base, type | ModuleType):
         return ""
     return (
-        f"{match[1]} is a variable here, {match[1]} = …, and hides the class {match[1]}: choose another "
-        "name for it, and import the class again."
+        f"{match[1]} is a variable here, {match[1]} = …, and hides the class {match[1]}: choose "
+        "another name for it, and import the class again."
     )
 
 

@@ -255,8 +255,8 @@ def rejection_messages(
 ) -> tuple[str, ...]:
     """Return the lines that tf2 logs if it rejects a transform.
 
-    tf2 checks a quaternion after its conversion through a matrix, which normalizes it and turns zeros
-    into NaN.
+    tf2 checks a quaternion after its conversion through a matrix, which normalizes it and turns
+    zeros into NaN.
     """
     norm = sum(value * value for value in transform.rotation)
     has_direction, is_nan = 0 < norm < inf, isnan(sum(transform.translation))

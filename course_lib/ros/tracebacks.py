@@ -130,8 +130,8 @@ def line_of_traceback(trace: TracebackType | None) -> str:
 def loop_of_traceback(trace: TracebackType | None) -> str:
     """Return the line of the loop that the student's code was executing, else the innermost line, or "".
 
-    The line at which an endless loop is interrupted is a matter of chance. A `while` loop is preferred
-    to a `for` loop, which rarely is the endless one, and an inner loop to an outer one.
+    The line at which an endless loop is interrupted is a matter of chance. A `while` loop is
+    preferred to a `for` loop, which rarely is the endless one, and an inner loop to an outer one.
     """
     while_loops: list[tuple[str, int]] = []
     for_loops: list[tuple[str, int]] = []

@@ -46,8 +46,8 @@ READER = (
 # Polling period [s] for new topics.
 POLLING = 0.1
 _UNKNOWN_TYPE = (
-    "Topic '{}' has unknown type '{}' associated. Only topics with known type are supported. If the package "
-    "is yours, copy its interface files from the robot."
+    "Topic '{}' has unknown type '{}' associated. Only topics with known type are supported. If "
+    "the package is yours, copy its interface files from the robot."
 )
 _SELECTIONS = "--all, --all-topics, --all-services, --services, --topics, --topic-types or --regex"
 

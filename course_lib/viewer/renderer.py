@@ -1,8 +1,8 @@
 """Images of a scene, rendered by Chromium or Chrome if available, else by numpy alone.
 
-For numpy, all drawables are converted to triangles in the camera's frame, colored by RViz's light. A
-depth buffer with four samples per pixel keeps the nearest ones, and transparent samples are blended
-back to front.
+For numpy, all drawables are converted to triangles in the camera's frame, colored by RViz's light.
+A depth buffer with four samples per pixel keeps the nearest ones, and transparent samples are
+blended back to front.
 """
 
 import base64

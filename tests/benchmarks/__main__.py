@@ -1,8 +1,8 @@
 """Compare the kit with similar libraries in one table: `python -m tests.benchmarks`, with the extra `bench`.
 
-meshcat, Pinocchio's viewer, viser, pytransform3d and rosbags run in this Python. nbgrader and Otter need
-packages that fight with the kit's: they get an environment of their own, or `--peers` names a Python that
-has them.
+meshcat, Pinocchio's viewer, viser, pytransform3d and rosbags run in this Python. nbgrader and Otter
+need packages that fight with the kit's: they get an environment of their own, or `--peers` names a
+Python that has them.
 """
 
 import argparse

@@ -1,7 +1,7 @@
 """Students on one machine: `python -m tests.benchmarks.bench_class`, 1, 10 and 50 kernels for 60 s each.
 
-Memory is PSS, in which a page of memory that n processes share counts 1/n in each. All kernels run week 7's
-dashboard, and each has a page that follows its view.
+Memory is PSS, in which a page of memory that n processes share counts 1/n in each. All kernels run
+week 7's dashboard, and each has a page that follows its view.
 """
 
 import argparse

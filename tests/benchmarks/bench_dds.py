@@ -1,8 +1,9 @@
 """Compare the DDS link to rclpy with rclpy itself: `python tests/benchmarks/bench_dds.py`.
 
-Words choose parts: `round_trip`, which needs REAL_ROS_PYTHON or `course ros --install`, `mutated` (100,000
-malformed datagrams) and `refused` (1,000 attempts to send what is not allowed). `round_trip` measures its
-pairs in turn, several times, on UDP or TCP on loopback; rclpy with its shared memory is faster.
+Words choose parts: `round_trip`, which needs REAL_ROS_PYTHON or `course ros --install`, `mutated`
+(100,000 malformed datagrams) and `refused` (1,000 attempts to send what is not allowed).
+`round_trip` measures its pairs in turn, several times, on UDP or TCP on loopback; rclpy with its
+shared memory is faster.
 """
 
 import random

@@ -2,9 +2,10 @@
 
     python tests/benchmarks/bench_deletions.py [week01 …]
 
-For each week, over its solution and its other right answers (whole files, and the variants of its answers):
-the deletions, the pairs of a deletion and a task that needs it, the crashes, the false passes (crashes that
-pass all public checks; each is listed), and the time. It ends with 1 if there is a false pass.
+For each week, over its solution and its other right answers (whole files, and the variants of its
+answers): the deletions, the pairs of a deletion and a task that needs it, the crashes, the false
+passes (crashes that pass all public checks; each is listed), and the time. It ends with 1 if there
+is a false pass.
 """
 
 import os

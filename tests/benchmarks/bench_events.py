@@ -1,6 +1,7 @@
 """1,000 timers and 100,000 messages in one robot minute: `python tests/benchmarks/bench_events.py`.
 
-Printed for a tenth, a half and all of the load, as ratios: the cost per message must not grow with it.
+Printed for a tenth, a half and all of the load, as ratios: the cost per message must not grow with
+it.
 """
 
 import time

@@ -1,8 +1,8 @@
 """Memory of robot, router and kit during a flood of images through a router into a viewer.
 
-`python tests/benchmarks/bench_flood.py [SECONDS WIDTH HEIGHT HZ]` prints a row every 30 s; the kit is busy
-for three of them. It fails where the memory of a process is larger by a tenth in the second half than in the
-first, within which the buffers of a busy kit fill.
+`python tests/benchmarks/bench_flood.py [SECONDS WIDTH HEIGHT HZ]` prints a row every 30 s; the kit
+is busy for three of them. It fails where the memory of a process is larger by a tenth in the second
+half than in the first, within which the buffers of a busy kit fill.
 """
 
 import os

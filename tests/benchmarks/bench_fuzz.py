@@ -2,10 +2,11 @@
 
     python tests/benchmarks/bench_fuzz.py [JUDGEMENTS [INPUTS [HAND_INS]]]
 
-Half of the judgements are every word of the vocabulary over made-up evidence, half are the course's own
-checks over what its solutions published and returned, spoilt. A fifth of the inputs are streams of a hostile
-process, swallowed, stored and judged; two fifths are spoilt notebooks, layouts, parameters and evidence, two
-fifths zips and tables of platforms, class lists, records, requests and course.toml.
+Half of the judgements are every word of the vocabulary over made-up evidence, half are the course's
+own checks over what its solutions published and returned, spoilt. A fifth of the inputs are streams
+of a hostile process, swallowed, stored and judged; two fifths are spoilt notebooks, layouts,
+parameters and evidence, two fifths zips and tables of platforms, class lists, records, requests and
+course.toml.
 """
 
 import gc

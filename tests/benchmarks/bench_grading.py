@@ -116,7 +116,8 @@ def seconds(action: Callable[[], object]) -> float:
 def ours(top: Path, count: int) -> float:
     """[s] for one more submission of a class, on one job with its jail; reports are written too.
 
-    The jail's root depends on the class and the output folder, so a first submission there pays the start.
+    The jail's root depends on the class and the output folder, so a first submission there pays the
+    start.
     """
     course = make_course(top, EQUAL_COURSE, EQUAL_TASKS, EQUAL_HIDDEN)
     for number in range(count):  # a comment each: identical files would be run once

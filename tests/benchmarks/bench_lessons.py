@@ -1,7 +1,8 @@
 """Frames of each lesson's live views in JupyterLab: `python -m tests.benchmarks.bench_lessons`.
 
-The cells of a lesson run one by one. The view of each of them is dragged, as by a hand with a mouse, so
-that each frame of the page draws a new picture, whether nodes run live or not. Software draws, as in tests.
+The cells of a lesson run one by one. The view of each of them is dragged, as by a hand with a
+mouse, so that each frame of the page draws a new picture, whether nodes run live or not. Software
+draws, as in tests.
 """
 
 import argparse
@@ -76,8 +77,8 @@ class Frames:
         cell: Index of the cell.
         turned: Pictures per second while the view is turned.
         scale: Rendered pixels per displayed pixel, at the end of the rotation.
-        still: Pictures per second while only the nodes change it, as a robot that moves alone; NaN without
-            live nodes.
+        still: Pictures per second while only the nodes change it, as a robot that moves alone; NaN
+            without live nodes.
         browser: CPU of the browser while the view is turned, in cores.
         kernel: CPU of the kernel while the view is turned, in cores.
         browser_still: CPU of the browser while only the nodes change the view, in cores.

@@ -2,8 +2,8 @@
 
     python -m tests.benchmarks.bench_malformed [MESSAGES [URDFS [LAUNCH_FILES]]]
 
-The defaults are 100,000 messages over all displays, 20,000 URDFs and 5,000 launch files in Python, XML and
-YAML. Each fault is printed, and the number of faults is the exit code.
+The defaults are 100,000 messages over all displays, 20,000 URDFs and 5,000 launch files in Python,
+XML and YAML. Each fault is printed, and the number of faults is the exit code.
 """
 
 import sys

@@ -1,7 +1,7 @@
 """The cost of a large marker in multiples of a bare Python object: `python -m tests.benchmarks.bench_points`.
 
-Run it before and after a change of `course_lib/ros/messages`. November 2026: made 4.5x and read 3.8x before
-their functions were compiled, 1.8x and 2.4x since.
+Run it before and after a change of `course_lib/ros/messages`. November 2026: made 4.5x and read
+3.8x before their functions were compiled, 1.8x and 2.4x since.
 """
 
 import time

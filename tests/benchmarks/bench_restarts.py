@@ -1,7 +1,7 @@
 """Routers that are killed and started again 20 times each: `python tests/benchmarks/bench_restarts.py`.
 
-A student's viewer must show a new marker, and a late subscription the robot's old map, after each. It fails
-where one does not come back, and where a kit does not end.
+A student's viewer must show a new marker, and a late subscription the robot's old map, after each.
+It fails where one does not come back, and where a kit does not end.
 """
 
 import sys

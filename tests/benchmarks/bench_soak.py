@@ -1,6 +1,7 @@
 """A scene that changes at 40 Hz for long: `python tests/benchmarks/bench_soak.py --minutes 30`.
 
-Fails if the memory of either side, the page's elements or its GPU objects grow, or a message is lost.
+Fails if the memory of either side, the page's elements or its GPU objects grow, or a message is
+lost.
 """
 
 import argparse

@@ -1,7 +1,7 @@
 """Compare TF lookups with pytransform3d: `python -m tests.benchmarks.bench_tf2`, with the extra bench.
 
-A chain of moving frames is remembered for ten seconds at 100 Hz; each lookup asks for the transform from one
-end to the other at another time between two samples.
+A chain of moving frames is remembered for ten seconds at 100 Hz; each lookup asks for the transform
+from one end to the other at another time between two samples.
 """
 
 import time

@@ -1,6 +1,7 @@
 """Compare the viewer with meshcat, viser and Rerun in real pages: `python -m tests.benchmarks.bench_viewer`.
 
-Needs the extra `bench`. Absolute numbers depend on the machine; the ratios in one run are what counts.
+Needs the extra `bench`. Absolute numbers depend on the machine; the ratios in one run are what
+counts.
 """
 
 import argparse

@@ -1,12 +1,13 @@
 """Weeks of a class on this machine by the commands: handed in, collected, graded, marked and returned.
 
     python -m tests.benchmarks.bench_weeks --students 12 --weeks 1 3
-    python -m tests.benchmarks.bench_weeks --folder weeks  # 180 students, 8 weeks; resumes after a kill
-    python -m tests.benchmarks.bench_weeks --records 180          # records alone: no code runs
+    python -m tests.benchmarks.bench_weeks --folder weeks  # 180 students, 8 weeks; resumes after a
+    kill python -m tests.benchmarks.bench_weeks --records 180          # records alone: no code runs
 
-Students hand in right answers, the wrong ones of the course's own tables, mutants, copies, broken and hostile
-files, or nothing; some are late, some have more time. The script recompute.py in tests/grading/simulated
-compares each mark, without using the kit, with what was declared of the answer.
+Students hand in right answers, the wrong ones of the course's own tables, mutants, copies, broken
+and hostile files, or nothing; some are late, some have more time. The script recompute.py in
+tests/grading/simulated compares each mark, without using the kit, with what was declared of the
+answer.
 """
 
 import argparse

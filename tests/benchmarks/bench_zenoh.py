@@ -1,7 +1,7 @@
 """Compare a link with TCP, a gateway and zenoh-ros2-sdk: `python tests/benchmarks/bench_zenoh.py`.
 
-Each sender is a process of its own. Latency is from publishing to the callback, at a rate that all keep up
-with; throughput is of a flood. The link and the SDK decode, bare TCP does not.
+Each sender is a process of its own. Latency is from publishing to the callback, at a rate that all
+keep up with; throughput is of a flood. The link and the SDK decode, bare TCP does not.
 """
 
 import logging

@@ -1,7 +1,7 @@
 """Kernels of a class: each runs the cells of a notebook, and a page displays its view.
 
-The page is a client that reads the stream as `js/link.js` does, and answers in a subshell as JupyterLab does;
-it draws nothing.
+The page is a client that reads the stream as `js/link.js` does, and answers in a subshell as
+JupyterLab does; it draws nothing.
 """
 
 import json

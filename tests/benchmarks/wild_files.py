@@ -103,8 +103,8 @@ def _child(sender: "Connection[Judged, Judged]", file: Path, clone: Path, what: 
 def started(clone: Path, row: Placed) -> Judged:
     """Run a launch file for two seconds of robot time, as a student does in the clone's folder.
 
-    The result is `starts`, `starts in part` where something was left out, `needs` where all of it was, or an
-    argument is required, or `fails` with the last line.
+    The result is `starts`, `starts in part` where something was left out, `needs` where all of it
+    was, or an argument is required, or `fails` with the last line.
     """
     file = clone / row.path
     if not file.is_file():

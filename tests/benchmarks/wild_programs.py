@@ -1,10 +1,11 @@
 """Programs from public repositories, run as they are: `python -m tests.benchmarks.wild_programs FOLDER`.
 
-FOLDER holds clones, named `owner+name`. The rows of tests/data/wild_programs.toml are run for five seconds of
-robot time and compared with their results; `--find` runs all programs of the clones and writes their rows.
-`--what launch` and `--what layout` do the same with launch files, which are described, and with layouts,
-which are loaded, saved and loaded again: tests/benchmarks/wild_files.py. `--what launch --find --start`
-starts the launch files for two seconds instead.
+FOLDER holds clones, named `owner+name`. The rows of tests/data/wild_programs.toml are run for five
+seconds of robot time and compared with their results; `--find` runs all programs of the clones and
+writes their rows. `--what launch` and `--what layout` do the same with launch files, which are
+described, and with layouts, which are loaded, saved and loaded again:
+tests/benchmarks/wild_files.py. `--what launch --find --start` starts the launch files for two
+seconds instead.
 """
 
 import argparse
@@ -48,9 +49,10 @@ _NEEDS = (
 class Row:
     """A program, launch file or layout: location, arguments, result and reason.
 
-    `beside` are other programs of its folder that run with it, a server for a client. `result` is `runs`
-    (of a launch file `described`, of a layout `kept`), `needs` (a module or package that is not there,
-    `reason`), or `fails`; `theirs`: a mistake in the file is the reason, it fails in ROS, too.
+    `beside` are other programs of its folder that run with it, a server for a client. `result` is
+    `runs` (of a launch file `described`, of a layout `kept`), `needs` (a module or package that is
+    not there, `reason`), or `fails`; `theirs`: a mistake in the file is the reason, it fails in
+    ROS, too.
     """
 
     repository: str

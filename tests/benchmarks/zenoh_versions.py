@@ -1,7 +1,8 @@
 """Zenoh's versions against each other: `python tests/benchmarks/zenoh_versions.py [1.5.0 1.7.2]`.
 
-The kits of a robot and of a student have one version, the robot's router and the gateway another. A row says
-that the student's view shows the robot, also after the gateway was killed and started again.
+The kits of a robot and of a student have one version, the robot's router and the gateway another. A
+row says that the student's view shows the robot, also after the gateway was killed and started
+again.
 """
 
 import os

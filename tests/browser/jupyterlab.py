@@ -77,8 +77,9 @@ class Notebook:
     """One notebook, open in JupyterLab.
 
     Args:
-        page: The browser's page, with a time out for busy machines; where it shows JupyterLab already, the
-            notebook takes the place of what is open there: to load the page costs seconds.
+        page: The browser's page, with a time out for busy machines; where it shows JupyterLab
+            already, the notebook takes the place of what is open there: to load the page costs
+            seconds.
         address: The server's address, as `course lab` prints it.
         folder: The student's folder, a folder of the server's root.
         name: The notebook's path in the student's folder.
@@ -151,7 +152,8 @@ class Notebook:
     def run_to_each(self, *endings: str, restart_before: str) -> Iterator[Locator]:
         """Run the code cells one after the other, and yield each finished cell.
 
-        Only these are brought into view: all editors of a notebook measure themselves whenever it scrolls.
+        Only these are brought into view: all editors of a notebook measure themselves whenever it
+        scrolls.
 
         Args:
             endings: The last lines of cells to yield.

@@ -29,7 +29,8 @@ def wait_until(ready: Callable[[], object], page: Page | None = None, every: flo
 def at_rest(read: Callable[[], T], page: Page | None = None) -> T:
     """Read pixels or a number until they stay the same, and no view of the page is busy.
 
-    A view is busy from a change until the picture of the highest quality, which it draws 0.7 s after the last
+    A view is busy from a change until the picture of the highest quality, which it draws 0.7 s
+    after the last
     change: before that, many equal pictures of a lower quality may be seen.
     """
     end, last, count = time.monotonic() + PATIENCE, read(), 0

@@ -56,7 +56,8 @@ def write_class(top: Path, count: int) -> Path:
 def start_grader(course: Course, out: Path, jobs: int, *flags: str) -> Program:
     """Start a grader of the class in a separate process.
 
-    It pauses after row 3 as long as there is a file `pause_3` beside `out`, and says so in the file.
+    It pauses after row 3 as long as there is a file `pause_3` beside `out`, and says so in the
+    file.
     """
     script = out.parent / "grade.py"
     script.write_text(GRADE)

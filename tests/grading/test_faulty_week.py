@@ -42,8 +42,8 @@ FAULTS = [
     (
         "2026-10-20T23:59:00",
         "2026-01-20T23:59:00",
-        "line 15: weeks: week02: extensions: ada: 2026-01-20T23:59:00 is before the week's deadline, "
-        "expected a later time than 2026-10-18T23:59:00",
+        "line 15: weeks: week02: extensions: ada: 2026-01-20T23:59:00 is before the week's "
+        "deadline, expected a later time than 2026-10-18T23:59:00",
     ),
     ("ada =", '"../etc" =', "weeks: week02: '../etc' is not a student ID"),
     (TWO, "[weeks]\nweek02 = 3\n", "line 16: weeks: week02: 3, expected a table"),

@@ -91,8 +91,8 @@ def test_grading_reports_extensions_of_unknown_groups_and_students(
     grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
     lines = [line for line in capsys.readouterr().out.splitlines() if "extensions" in line]
     assert lines == [
-        "note: the extensions of week01 in course.toml contain teem_a: there is no such group, and no such "
-        "student has submitted anything."
+        "note: the extensions of week01 in course.toml contain teem_a: there is no such group, "
+        "and no such student has submitted anything."
     ]
 
 

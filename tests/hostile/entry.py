@@ -1,6 +1,7 @@
 """Attacks and mistakes as tiny submissions: an extra cell, or a change of the right answer.
 
-A cell that reaches what it must not reach prints BROKEN. Names TOP, PORT, GRADER, LIB are given to it.
+A cell that reaches what it must not reach prints BROKEN. Names TOP, PORT, GRADER, LIB are given to
+it.
 """
 
 from collections.abc import Callable

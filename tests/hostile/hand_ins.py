@@ -103,7 +103,8 @@ def collect_class(chance: random.Random, students: int = 5) -> int:
     """Collect one class; returns how many hand-ins it had.
 
     Raises:
-        AssertionError: A file lies in the folder of another student, or has a time that its student chose.
+        AssertionError: A file lies in the folder of another student, or has a time that its student
+            chose.
     """
     naming = NAMINGS[chance.choice(sorted(NAMINGS))]
     numbers = [4100001 + number for number in range(students)]

@@ -104,7 +104,8 @@ def judge(check: Check, evidence: Evidence) -> None:
 def words_over(chance: random.Random, rounds: int) -> int:
     """Judge generated evidence by every check function. Return the number of judgements.
 
-    In half of the rounds the words are the checks of one scenario, so that they are bound to one marker.
+    In half of the rounds the words are the checks of one scenario, so that they are bound to one
+    marker.
     """
     together = all_checks([check for _, check in WORDS])
     for number in range(rounds):

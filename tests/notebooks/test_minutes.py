@@ -1,12 +1,13 @@
 """The stated minutes agree with an estimate, and the README with the notebooks.
 
 How times are estimated, for a student who reads English as a second language: 80 words of prose a
-minute; a line of code read in 15 s; a cell run and looked at in 45 s; 4 minutes for each "Try it"; a
-minute for a prediction; 5 minutes for a quiz. STRANGERS are the lessons as readers met them who had never
-seen them: with 9 s and 30 s the estimate said 128, 176 and 150 minutes, too little the more code a lesson
-has. An exercise: the same words; a line of given code read in 9 s, as most of it is known from the lesson;
-54 s for each line of an answer, written or copied and corrected; 4 minutes for each task, its checks and
-hints. Students differ by a factor of two, so the time of an exercise may differ from the estimate by a third.
+minute; a line of code read in 15 s; a cell run and looked at in 45 s; 4 minutes for each "Try it";
+a minute for a prediction; 5 minutes for a quiz. STRANGERS are the lessons as readers met them who
+had never seen them: with 9 s and 30 s the estimate said 128, 176 and 150 minutes, too little the
+more code a lesson has. An exercise: the same words; a line of given code read in 9 s, as most of it
+is known from the lesson; 54 s for each line of an answer, written or copied and corrected; 4
+minutes for each task, its checks and hints. Students differ by a factor of two, so the time of an
+exercise may differ from the estimate by a third.
 """
 
 import re

@@ -1,7 +1,7 @@
 """Runs typical mistakes under the real rclpy: `each_mistake.py PRELUDE.py MISTAKES.json OUTCOMES.json`.
 
-Each mistake runs in a process of its own, as some of them abort it or wait for ever. The outcome is what is
-written to standard error and the last line of the traceback.
+Each mistake runs in a process of its own, as some of them abort it or wait for ever. The outcome is
+what is written to standard error and the last line of the traceback.
 """
 
 import json

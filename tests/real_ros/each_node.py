@@ -1,8 +1,9 @@
 """Runs nodes of the course in the kit or the real rclpy: `each_node.py NODES.json OUTCOMES.json [KITS.json]`.
 
-Each node gets filled messages on its topics, and a request on each of its services. The outcome is what it
-publishes, answers and prints. KITS.json has the outcomes of the kit: the real rclpy then runs each node in a
-process of its own until it has published as much, and several nodes at the same time.
+Each node gets filled messages on its topics, and a request on each of its services. The outcome is
+what it publishes, answers and prints. KITS.json has the outcomes of the kit: the real rclpy then
+runs each node in a process of its own until it has published as much, and several nodes at the same
+time.
 """
 
 import hashlib

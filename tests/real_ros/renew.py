@@ -1,7 +1,7 @@
 """Renews the frozen outcomes of the real rclpy: `REAL_ROS_PYTHON=/path/to/venv/bin/python python renew.py`.
 
-The environment is made with `requirements.txt`. Words after the command choose files by their names. All
-traffic stays on this machine.
+The environment is made with `requirements.txt`. Words after the command choose files by their
+names. All traffic stays on this machine.
 """
 
 import json

@@ -1,7 +1,7 @@
 """Runs all node tasks of the solutions on the real ROS 2: `python -m tests.real_ros.solutions [--write]`.
 
-REAL_ROS_PYTHON names the Python of an environment with the real rclpy, if `course ros --install` did not make
-one. With --write the table in docs/real_ros.md is renewed.
+REAL_ROS_PYTHON names the Python of an environment with the real rclpy, if `course ros --install`
+did not make one. With --write the table in docs/real_ros.md is renewed.
 """
 
 import sys

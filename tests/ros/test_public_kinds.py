@@ -153,9 +153,10 @@ KINDS = {
         ("name: [bend, spin]", "position: [0.5, 0.0]", "velocity: [0.0, 0.0]"),
         {
             "j.launch.py": LAUNCH.format(
-                "*[Node(package=name, executable=name, parameters=[given]) for name, given in ["
-                "('robot_state_publisher', {'robot_description': open('r.urdf').read()}), "
-                "('joint_state_publisher', {'zeros': {'bend': 0.5}, 'publish_default_velocities': True})]]"
+                "*[Node(package=name, executable=name, parameters=[given]) for name, given in "
+                "[('robot_state_publisher', {'robot_description': open('r.urdf').read()}), "
+                "('joint_state_publisher', {'zeros': {'bend': 0.5}, "
+                "'publish_default_velocities': True})]]"
             ),
             "r.urdf": "<robot name='r'><link name='a'/><link name='b'/><link name='c'/>"
             "<joint name='bend' type='revolute'><parent link='a'/><child link='b'/><limit "

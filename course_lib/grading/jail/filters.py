@@ -463,9 +463,9 @@ def _deleted_files_size(pid: int, folder: str, max_size: float) -> int:
 def check_memory(pid: int, inherited_bytes: int, megabytes: float) -> Excess | None:
     """Return an excess if the memory of all descendants of a process together exceeds a limit.
 
-    The memory is the sum of the resident sets (RSS). The proportional sets (PSS) would count shared pages
-    once, but only root may read them. A process that was just forked shares nearly all pages with
-    its parent, so the pages of the template are subtracted from each, up to the pages that the
+    The memory is the sum of the resident sets (RSS). The proportional sets (PSS) would count shared
+    pages once, but only root may read them. A process that was just forked shares nearly all pages
+    with its parent, so the pages of the template are subtracted from each, up to the pages that the
     process has written itself: it had a page fault for each of them.
 
     Args:

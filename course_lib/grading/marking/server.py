@@ -208,9 +208,9 @@ PAGE_POLICY = (
 )
 # The frame has no origin and no network; the viewer needs eval to unpack itself.
 SCENE_POLICY = (
-    "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-eval' {viewer}; "
-    "style-src 'unsafe-inline'; "
-    "img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'; frame-ancestors {page}"
+    "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-eval' {viewer}; style-src "
+    "'unsafe-inline'; img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors {page}"
 )
 T = TypeVar("T")
 

@@ -1,7 +1,7 @@
 """One scenario: its graph with inputs and a recorder, and running the student's object on a graph.
 
-`check` does both in a notebook's kernel. When a submission is graded, the grader owns the scenario's
-graph (`submission_run.py`), and a worker in the jail runs the object (`worker.py`).
+`check` does both in a notebook's kernel. When a submission is graded, the grader owns the
+scenario's graph (`submission_run.py`), and a worker in the jail runs the object (`worker.py`).
 """
 
 import _thread

@@ -79,7 +79,8 @@ class Choice:
 
     Args:
         kept: The files to store.
-        rejected: For each missing exercise of an owner the name of a file, the exercise and the reason.
+        rejected: For each missing exercise of an owner the name of a file, the exercise and the
+            reason.
         lines: A line for each file that is set aside.
     """
 

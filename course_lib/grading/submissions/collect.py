@@ -517,8 +517,8 @@ class Store:
             self.collection.notes.add(
                 printable(
                     f"note: {before['file']}: {LIST} keeps {before['received']}; according to "
-                    f"{row['source']} it is {row['received']}: clear the cell and collect again to use "
-                    "that"
+                    f"{row['source']} it is {row['received']}: clear the cell and collect again "
+                    "to use that"
                 )
             )
         return {**row, "received": before["received"], "source": before.get("source", "")}

@@ -80,8 +80,8 @@ class LmsFile:
             text = data.removeprefix(bom).decode(encoding, "surrogatepass" if bom else "strict")
         except UnicodeError as error:
             raise CourseError(
-                f"{path} is not valid {encoding}, although its byte order mark indicates it: {error}. "
-                "Export it again."
+                f"{path} is not valid {encoding}, although its byte order mark indicates it: "
+                f"{error}. Export it again."
             ) from error
         first = re.split("[\r\n]", text, maxsplit=1)[0]
         delimiter = max(DELIMITERS, key=first.count)

@@ -298,7 +298,8 @@ def _record_submission(path: Path, notebook: Notebook, out: Path, time: str) -> 
             review = NotebookReview(other, copy, tasks_of_week, state, identity)
             if copy.exercise == exercise and review.passed_count > hand_in.passed_count:
                 problems.append(
-                    f"{other.name} has {format_count(review.passed_count, 'task')} that passed, this "
-                    f"notebook {hand_in.passed_count}: to submit that one, type course submit {_typed(other)}"
+                    f"{other.name} has {format_count(review.passed_count, 'task')} that passed, "
+                    f"this notebook {hand_in.passed_count}: to submit that one, type course "
+                    f"submit {_typed(other)}"
                 )
     return problems

@@ -653,8 +653,8 @@ def _frequency_of(
         wave: The angle of the expected sine at each position [rad].
         positions: The positions [rad].
         hz: The expected frequency.
-        tolerance: The largest difference from a sine [rad]. Slow sines differ little from each other,
-            so that it has to be small.
+        tolerance: The largest difference from a sine [rad]. Slow sines differ little from each
+            other, so that it has to be small.
     """
     for ratio in OTHER_FREQUENCIES:
         columns = np.array([np.sin(ratio * wave), np.cos(ratio * wave), np.ones(len(wave))]).T

@@ -206,8 +206,8 @@ class Writer(OwnEndpoint[MatchedReader]):
         reader = self.matched.get(guid)
         if reader is None:
             return
-        # It is lower than before if the reader has restarted with the same GUID. A late report makes
-        # no difference, because the next heartbeat is answered with the present number.
+        # It is lower than before if the reader has restarted with the same GUID. A late report
+        # makes no difference, because the next heartbeat is answered with the present number.
         reader.acknowledged = min(base - 1, self.last)
         lost: list[int] = []
         for number in missing:

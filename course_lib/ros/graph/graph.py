@@ -285,9 +285,9 @@ class Graph:
     ) -> Callable[[], None]:
         """Call `listener` with every sample on a topic when it is published.
 
-        Return a function that removes the listener. As in `ros2 bag record`, requests and responses of
-        services are not included. `select_topics` returns the topics that a robot has to send for
-        the listener; None stands for all.
+        Return a function that removes the listener. As in `ros2 bag record`, requests and responses
+        of services are not included. `select_topics` returns the topics that a robot has to send
+        for the listener; None stands for all.
         """
         tap = (listener, select_topics)
         self._taps.append(tap)

@@ -205,8 +205,8 @@ def _describe_unknown(type_name: str) -> str:
     # A package with a name of its own is custom, as in a bag of another workspace.
     if name and not get_close_matches(package, known_packages, cutoff=0.85):
         return (
-            f": put the folder of the package {package}, with its {kind}/{name}.{kind}, beside the program, "
-            "or into the workspace's src."
+            f": put the folder of the package {package}, with its {kind}/{name}.{kind}, beside "
+            "the program, or into the workspace's src."
         )
     return did_you_mean(type_name, field_definitions(), 3) or ". Written like visualization_msgs/msg/Marker."
 

@@ -1,13 +1,13 @@
 """Message classes, created from definitions on first use, and the modules that contain them.
 
 Messages such as points and colors are created by the million, so each class gets a constructor
-and a factory that are compiled for its fields. The kind of each field (`Kind`) tells how its values are
-checked, stored, constructed and serialized.
+and a factory that are compiled for its fields. The kind of each field (`Kind`) tells how its values
+are checked, stored, constructed and serialized.
 
-The checks and their error texts are those of rosidl_generator_py (resource/_msg.py.em). Jazzy disables
-them, and a publisher then aborts the whole process when a value has the wrong type; here they are
-enabled, as in Humble. Lists are stored by reference, so `to_wire` checks them when they are sent. It
-joins lists of bools and bytes, which `from_wire` splits again.
+The checks and their error texts are those of rosidl_generator_py (resource/_msg.py.em). Jazzy
+disables them, and a publisher then aborts the whole process when a value has the wrong type; here
+they are enabled, as in Humble. Lists are stored by reference, so `to_wire` checks them when they
+are sent. It joins lists of bools and bytes, which `from_wire` splits again.
 """
 
 import os
@@ -287,7 +287,8 @@ def _array_kind(field: FieldDefinition, primitive: Primitive) -> Kind:
 def _list_kind(field: FieldDefinition, item: type, primitive: Primitive | None) -> Kind:
     """Return the kind of a list of messages or strings.
 
-    The list is stored by reference, so elements that a program appends are checked only when it is sent.
+    The list is stored by reference, so elements that a program appends are checked only when it is
+    sent.
     """
     check = collection_check(field, item, primitive)
     send, receive = _LISTS.get(field.base, (None, None))

@@ -45,8 +45,8 @@ class BuildFiles:
         installed: Installed paths, like share/arm/arm.urdf, with the files in the sources.
         package_folders: Folders of Python packages by name; "" is the folder of all others.
         compiled: Names of executables and components that are built from C++.
-        resources: Contents, or their files, of resources that a CMakeLists.txt adds to the ament index,
-            by type and name.
+        resources: Contents, or their files, of resources that a CMakeLists.txt adds to the ament
+            index, by type and name.
     """
 
     executables: dict[str, Executable] = field(default_factory=dict)

@@ -265,8 +265,8 @@ def install() -> None:
 
     Raises a CourseError if a package of the same name has already been imported from elsewhere.
     """
-    # xacro uses this module without importing it: a program that processes a missing file would have
-    # an AttributeError.
+    # xacro uses this module without importing it: a program that processes a missing file would
+    # have an AttributeError.
     import xml.parsers.expat  # noqa: F401  # it becomes an attribute of xml
 
     standin_folder = str(STANDIN)

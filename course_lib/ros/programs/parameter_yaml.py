@@ -110,8 +110,8 @@ def _only_item(value: Any) -> Any:
 def _flat_in_list(mapping: yaml.MappingNode, prefix: str) -> Iterator[tuple[str, Any]]:
     """Yield the parameters of a map in a list.
 
-    rcl ignores the list, so that `joints: [{names: [a]}]` is `joints.names`, and takes a value that is not
-    a list as one. The files of ros2_control's GPIO controllers have such maps.
+    rcl ignores the list, so that `joints: [{names: [a]}]` is `joints.names`, and takes a value that
+    is not a list as one. The files of ros2_control's GPIO controllers have such maps.
     """
     for key, value in mapping.value:
         name = f"{prefix}{key.value}"

@@ -158,8 +158,8 @@ def connect(
         raise CourseError(f"Nodes already exist ({names}): restart the kernel, and connect first.")
     if graph.is_tapped:
         raise CourseError(
-            "A viewer or a recording already exists, and would not receive the robot's messages: restart the "
-            "kernel, and connect first."
+            "A viewer or a recording already exists, and would not receive the robot's messages: "
+            "restart the kernel, and connect first."
         )
     linked = link_to(RobotAddress(router, domain, send, call), notebook=True)
     set_graph(linked)

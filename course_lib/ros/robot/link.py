@@ -4,8 +4,8 @@ A link runs its own threads. They must not access the graph, which belongs to th
 and must not use `threading` or `time`, which robot time replaces. So a link only puts actions into
 a queue (`actions`) and messages into inboxes; the graph processes both when it advances.
 
-The functions at the end of the module write the messages about a link for users: problems between this
-kit and the robot, and the next step.
+The functions at the end of the module write the messages about a link for users: problems between
+this kit and the robot, and the next step.
 """
 
 import errno

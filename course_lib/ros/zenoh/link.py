@@ -1,8 +1,8 @@
 """The link over Zenoh: one session with a robot's router, and the entities of the kit in it.
 
 Zenoh calls handlers in its own threads. A handler only puts an action into the queue or a message
-into an inbox; see `course_lib.ros.robot.link`. Keys, tokens, QoS, attachments and GIDs have the wire
-format of rmw_zenoh_cpp (Jazzy, 0.2.4 and newer).
+into an inbox; see `course_lib.ros.robot.link`. Keys, tokens, QoS, attachments and GIDs have the
+wire format of rmw_zenoh_cpp (Jazzy, 0.2.4 and newer).
 """
 
 import _thread

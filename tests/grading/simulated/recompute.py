@@ -27,7 +27,8 @@ def points(task: Mapping[str, Any], marks: list[dict[str, Any]]) -> Fraction:
 def disagreements(out: Path, declared: list[dict[str, Any]], percent_per_day: float) -> list[str]:
     """Return a line for each submission whose records differ from the expected results.
 
-    A task that is declared "full" has all its points, "less" fewer, "nothing" none; "any" is not compared.
+    A task that is declared "full" has all its points, "less" fewer, "nothing" none; "any" is not
+    compared.
     """
     book = {(row["student"], row["exercise"]): row for row in table(out / "gradebook.csv")}
     made = []

@@ -1,6 +1,7 @@
 """Collects probes: functions that run under the real rclpy as well as under the kit, one after the other.
 
-The outcome of a probe is what it returns or raises, as text. `main()` prints all of them as one JSON object.
+The outcome of a probe is what it returns or raises, as text. `main()` prints all of them as one
+JSON object.
 """
 
 import gc

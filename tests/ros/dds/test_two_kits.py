@@ -266,8 +266,9 @@ def test_incompatible_qos_is_reported_for_each_node_and_nothing_is_delivered(kit
     matched = listener(student, "/scan", qos=BEST_EFFORT)
     connect(kits, robot, out, matched, String())
     line = (
-        "/scan: the publisher of /talker and the subscription of {} have incompatible QoS (RELIABILITY). DDS "
-        "does not connect them, so no message arrives. Give both the same RELIABILITY."
+        "/scan: the publisher of /talker and the subscription of {} have incompatible QoS "
+        "(RELIABILITY). DDS does not connect them, so no message arrives. Give both the same "
+        "RELIABILITY."
     )
     kits.until(lambda: line.format("/listener") in kits.lines, line)
     late = student.add_node("late", "/")

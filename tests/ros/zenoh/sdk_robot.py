@@ -1,7 +1,7 @@
 """A robot of zenoh-ros2-sdk, which shares no code with the kit: `sdk_robot.py PORT MESSAGES`.
 
-It publishes, hears /cmd_vel and serves /add_two_ints; a line on stdin starts what comes later. What it hears
-is printed, a line each.
+It publishes, hears /cmd_vel and serves /add_two_ints; a line on stdin starts what comes later. What
+it hears is printed, a line each.
 """
 
 import logging

@@ -82,8 +82,9 @@ def _check_name(resource_type: str, resource_name: str) -> None:
 def _read_index() -> dict[str, dict[str, tuple[Path, str | Path]]]:
     """Return the prefix and the content, or its file, of each resource by type and name.
 
-    Resources of an installed package are files below its prefix. A source package has those that its
-    setup.py or CMakeLists.txt installs, and the kit's packages have the prefix that they have on a robot.
+    Resources of an installed package are files below its prefix. A source package has those that
+    its setup.py or CMakeLists.txt installs, and the kit's packages have the prefix that they have
+    on a robot.
     """
     index: dict[str, dict[str, tuple[Path, str | Path]]] = {"packages": {}}
     prefixes = dict[str, Path]()

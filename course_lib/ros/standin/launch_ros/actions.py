@@ -310,7 +310,8 @@ class LifecycleEventManager:
     """Emits the transitions of a lifecycle node, and requests those of ChangeState events.
 
     Args:
-        lifecycle_node: The action or the description of the node, whose `node_name` is its full name.
+        lifecycle_node: The action or the description of the node, whose `node_name` is its full
+            name.
     """
 
     def __init__(self, lifecycle_node: "LifecycleNode | ComposableLifecycleNode") -> None:

@@ -78,10 +78,11 @@ HIDDEN_NODE_PREFIX = "_"
 _ROSOUT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10))
 
 _SAME_NAME = (
-    "Publisher already registered for node name: '{0}'. If this is due to multiple nodes with the same name "
-    "then all logs for the logger named '{0}' will go out over the existing publisher. As soon as any node "
-    "with that name is destructed it will unregister the publisher, preventing any further logs "
-    "for that name from being published on the rosout topic."
+    "Publisher already registered for node name: '{0}'. If this is due to multiple nodes with "
+    "the same name then all logs for the logger named '{0}' will go out over the existing "
+    "publisher. As soon as any node with that name is destructed it will unregister the "
+    "publisher, preventing any further logs for that name from being published on the rosout "
+    "topic."
 )
 
 

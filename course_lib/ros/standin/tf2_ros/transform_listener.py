@@ -20,8 +20,8 @@ class TransformListener:
     """Stores received transforms in a buffer while its node is spun.
 
     With `spin_thread` it spins the node in its own thread. By default the queues hold 100 messages,
-    and /tf_static is subscribed to with TRANSIENT_LOCAL durability. With `static_only` it subscribes to
-    the topic of static transforms only.
+    and /tf_static is subscribed to with TRANSIENT_LOCAL durability. With `static_only` it
+    subscribes to the topic of static transforms only.
     """
 
     def __init__(

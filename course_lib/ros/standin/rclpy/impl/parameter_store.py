@@ -205,8 +205,8 @@ def _resolve_type(
             raise ValueError(f"Cannot declare parameter {{{name}}} as statically typed of type NOT_SET")
         if descriptor.dynamic_typing:
             raise ValueError(
-                f"When declaring parameter {{{name}}} passing a descriptor with`dynamic_typing=True` "
-                "is not allowed when the parameter type is provided"
+                f"When declaring parameter {{{name}}} passing a descriptor "
+                "with`dynamic_typing=True` is not allowed when the parameter type is provided"
             )
         descriptor.type = value.value
         return None, descriptor
