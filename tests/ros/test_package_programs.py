@@ -252,6 +252,51 @@ def test_program_that_reads_keys_without_a_terminal_gets_a_hint() -> None:
     assert hint(caught.value).startswith("the program reads single keys, which only a terminal has")
 
 
+_NO_WINDOWS = (
+    "OpenCV(4.12.0) window.cpp:1301: error: (-2:Unspecified error) The function is not implemented. "
+    "Rebuild the library with Windows, GTK+ 2.x or Cocoa support. If you are on Ubuntu or Debian, "
+    "install libgtk2.0-dev and pkg-config in function 'cvShowImage'\n"
+)
+_HEADLESS = "interactive framework, as 'headless' is currently running"
+
+
+@pytest.mark.parametrize(
+    ("kind", "base", "text", "cause", "instead"),
+    [
+        (
+            "TclError",
+            Exception,
+            "no display name and no $DISPLAY environment variable",
+            "a window needs a screen, and there is none here",
+            "a slider of course_lib.controls",
+        ),
+        ("TclError", Exception, 'couldn\'t connect to display ":7"', "a window needs a screen", "a view"),
+        ("error", Exception, _NO_WINDOWS, "this OpenCV has no windows", 'viewer.add("Image")'),
+        ("error", RuntimeError, "No available video device", "pygame needs a screen", "publish markers"),
+        ("error", RuntimeError, "x11 not available", "pygame needs a screen", "publish markers"),
+        (
+            "ImportError",
+            ImportError,
+            f"Cannot load backend 'TkAgg' which requires the 'tk' {_HEADLESS}",
+            "TkAgg opens windows, and there is no screen here",
+            'plt.savefig("figure.png")',
+        ),
+    ],
+)
+def test_window_without_a_screen_gets_the_cause_and_an_alternative(
+    kind: str, base: type[Exception], text: str, cause: str, instead: str
+) -> None:
+    # The libraries are not installed with the kit, and their classes have these names.
+    error = base(text) if base is ImportError else type(kind, (base,), {})(text)
+    assert hint(error).startswith(cause)
+    assert instead in hint(error)
+
+
+def test_error_of_another_kind_from_opencv_gets_no_hint_about_windows() -> None:
+    text = "OpenCV(4.12.0) color.cpp:196: error: (-215:Assertion failed) !_src.empty() in function 'cvtColor'"
+    assert "window" not in hint(type("error", (Exception,), {})(text))
+
+
 @pytest.mark.parametrize(
     ("module", "name"),
     [("cv2", "opencv-python-headless"), ("serial", "pyserial"), ("ntplib", "ntplib"), ("lxml", "lxml")],
