@@ -1,4 +1,4 @@
-"""`course run` and `course ros2` without typer, whose import takes a third of the time they need to start.
+"""`course run` and `course ros2` without typer, whose import takes a third of their start.
 
 The usual options of both are parsed here. Everything else, including help and invalid command
 lines, is left to `course_lib.cli`, which calls the same functions. A test compares both. This
@@ -179,7 +179,7 @@ _RUNS = (["run"], ["bag", "play"])
 
 
 def fix_hash_seed(arguments: list[str]) -> None:
-    """Restart a command that runs programs with a fixed hash seed, so that the order of sets is reproducible.
+    """Restart a command that runs programs with a fixed hash seed: the order of sets is reproducible.
 
     Python reads the seed only when it starts. This function is called first, because everything
     that is imported before it is imported twice.

@@ -1,4 +1,4 @@
-"""Rules for a week: layout, headings, sentences and pictures of notebooks, and ROS names in check files.
+"""Rules for a week: layout, headings, sentences and pictures of notebooks, and ROS names of checks.
 
 Additional rules for lessons, reviews and extras concern their sections, minutes, predictions and
 quizzes.
@@ -555,7 +555,7 @@ def names_in(cells: Iterable[str]) -> frozenset[str]:
 def misspelled_topics(
     task: Task, scenarios: Iterable[Scenario], names: Collection[str], path: Path
 ) -> Iterator[Flaw]:
-    """Yield a flaw for each input topic that is not in the solution, if the solution has a similar name.
+    """Yield a flaw for each input topic that the solution lacks, if it has one with a similar name.
 
     Other names are not flaws, because a TransformListener subscribes to topics that its code does
     not mention, and a name may be composed at run time.

@@ -154,7 +154,7 @@ def content_hash(path: Path) -> str:
 
 
 def prepare(folder: Path) -> Refresh:
-    """Copy missing files and newer versions into the student's folder, next to files that were edited.
+    """Copy missing files and newer versions into the student's folder, next to edited files.
 
     Raises:
         CourseError: The folder is a file or the kit's own checkout, or cannot be written.

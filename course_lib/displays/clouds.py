@@ -1,4 +1,4 @@
-"""RViz's displays of point clouds: PointCloud2, PointCloud, LaserScan, DepthCloud and scalar measurements.
+"""RViz's displays of point clouds: PointCloud2, PointCloud, LaserScan, DepthCloud and scalars.
 
 A message is converted to a `Cloud`, arrays by channel name. A transformer, RViz's term for a way to
 color points, computes colors from a cloud; `TRANSFORMERS` is the table of them. The arithmetic uses
@@ -117,7 +117,7 @@ def size_problem(message: Any) -> str | None:
 
 
 def channels_of(message: Any) -> tuple[dict[str, AnyArray], list[str]]:
-    """Return the fields of a sensor_msgs/msg/PointCloud2 by name, for points with finite coordinates.
+    """Return the fields of a sensor_msgs/msg/PointCloud2 by name, for finite points.
 
     Returns:
         The channels, and errors about fields that are skipped.

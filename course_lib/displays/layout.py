@@ -1,4 +1,4 @@
-"""Reading RViz's layout files, .rviz, in RViz's dialect of YAML (yaml_config_reader.cpp, _writer.cpp).
+"""Reading RViz's layout files, .rviz, in its dialect of YAML (yaml_config_reader.cpp, _writer.cpp).
 
 All values are read as strings, so that unknown ones are written unchanged: ``1.0`` stays ``1.0``.
 """

@@ -16,7 +16,7 @@ from course_lib.ros.near_names import nearest
 
 
 class KnownAttributes:
-    """Base class of objects that reject new public attributes, except from the kit and their own methods.
+    """Base class of objects that reject new public attributes, except from the kit and themselves.
 
     Python would accept a misspelled `viewer.fixedframe = "map"`, and nothing would happen.
     """

@@ -181,7 +181,7 @@ AnyDisplay = TypeVar("AnyDisplay", bound=type[Display])
 
 
 class OwnDisplay(DrawnDisplay):
-    """Base class of custom displays: the last message, in the frame of its header or in the fixed frame.
+    """Base class of custom displays: the last message, in the frame of its header or the fixed frame.
 
     A subclass has a `class_name` like "my_package/Name", a `type_name` like "nav_msgs/msg/Path", a
     table of `properties`, and the method `drawing`. `Viewer.add` creates the object.

@@ -516,7 +516,7 @@ MAX_BYTES = 16 << 20
 
 
 class Backlog:
-    """Passes samples and robot time to a session, immediately or, while no page can show the scene, later.
+    """Passes samples and robot time to a session, or delays them while no page can show the scene.
 
     Most viewers of a graded notebook are never displayed, so converting their messages would be
     wasted. `Context.process_backlog` replays the waiting samples and times in order, each at its

@@ -291,7 +291,7 @@ def _orientation_frame(pose: UncertainPose, holder: PropertyHolder) -> Matrix:
 
 
 def _deviations(covariance: Matrix) -> tuple[Matrix, Matrix]:
-    """Return two standard deviations along the axes of an ellipse, and the axes as columns of a rotation.
+    """Return two standard deviations along the axes of an ellipse, and the axes as columns.
 
     Like Eigen, it reads only the lower triangle. A covariance with a negative eigenvalue has no
     extent.

@@ -42,7 +42,7 @@ class DragRules(Message, frozen=True):
 
 
 class ViewController(PropertyHolder):
-    """Base class of all view controllers. If the target frame is unknown, its last known pose is used.
+    """Base class of all view controllers. If the target frame is unknown, its last pose is used.
 
     Args:
         properties: Values by RViz's labels, or as Python names: ``Orbit(distance=6.0,
@@ -338,7 +338,7 @@ class FPS(ViewController):
 
 
 class FrameAligned(FPS):
-    """A camera that looks around from a point of the target frame, and follows the frame's motion completely.
+    """A camera that looks around from a point of the target frame, and follows its whole motion.
 
     RViz has it since Jazzy 14.1.11. It starts at the frame's origin and looks along one of its
     axes.

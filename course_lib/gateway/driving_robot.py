@@ -1,4 +1,4 @@
-"""A driving base with a laser scanner in a room of 8 m: an ordinary ROS 2 program, run by `course robot`.
+"""A driving base with a laser scanner in a room of 8 m: a ROS 2 program, run by `course robot`.
 
 It does not import the kit, so the same file runs on the kit's rclpy and on the real one.
 """

@@ -684,7 +684,7 @@ Write = Callable[[str], None]
 def router(
     settings: Settings, folder: Path, roster: Path | None, id_column: str, driver: str, write: Write
 ) -> None:
-    """Run a gateway until it is interrupted, or change the driver of a gateway that runs in this folder.
+    """Run a gateway until it is interrupted, or change the driver of the one that runs in this folder.
 
     Raises:
         CourseError: A name, file, address or option cannot be used.

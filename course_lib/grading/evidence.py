@@ -353,7 +353,7 @@ def with_formal(content: Sequence[Check], *formal: Check) -> tuple[Check, ...]:
 
 
 def lightly(*checks: Check) -> tuple[Check, ...]:
-    """Return the checks with a small part of their weight, for scenarios whose inputs students can read.
+    """Return the checks with a small part of their weight, for scenarios that students can read.
 
     Hidden scenarios judge the same requirements with other inputs, so that an answer that is
     hard-coded for the public inputs gets almost no points.

@@ -92,7 +92,7 @@ def run_preflight(
     *,
     may_run: bool,
 ) -> list[str]:
-    """Run and judge the solution and the stub of each exercise like submissions, reusing earlier evidence.
+    """Run and judge each exercise's solution and stub like submissions, reusing earlier evidence.
 
     Args:
         exercises: The exercises to be graded, "week01_exercise", ….

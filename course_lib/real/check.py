@@ -1,4 +1,4 @@
-"""`course check --ros`: the public checks, applied to the messages of an exercise's nodes in the real ROS 2.
+"""`course check --ros`: the public checks, applied to an exercise's messages in the real ROS 2.
 
 The student's own code runs on the student's own computer, as with `course run`. Grading never uses
 this. Times differ from run to run there, so they are reported and not counted. Values are compared

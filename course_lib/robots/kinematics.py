@@ -269,7 +269,7 @@ def joint_poses(tree: Urdf, positions: Mapping[str, float]) -> dict[str, Floats]
 
 
 def match_matrix_signs(quaternions: Floats) -> Floats:
-    """Return quaternions (x, y, z, w), shape (n, 4), with the sign that KDL chooses for rotation matrices.
+    """Return quaternions (x, y, z, w), shape (n, 4), with the sign that KDL chooses for matrices.
 
     Up to a turn of 120°, w is positive. Beyond it, the largest other component is positive; of
     equal ones, the last.

@@ -1,4 +1,4 @@
-"""Joint trajectories: messages, splines through their points, goals with tolerances, and a controller.
+"""Joint trajectories: messages, splines through their points, goals, tolerances, a controller.
 
 The rules, texts and limits are those of ros2_control's joint_trajectory_controller: a trajectory
 that a robot's controller would reject is rejected here with the same text.

@@ -412,7 +412,7 @@ def parameter_hint(error: BaseException) -> str:
 
 
 def key_hint(error: BaseException) -> str:
-    """Return a question with the key closest to a missing one, or how to set an environment variable, or "".
+    """Return a question with the closest key, or how to set an environment variable, or "".
 
     The exception does not contain its dictionary, so the dictionaries in scope of the line are
     searched.
@@ -812,7 +812,7 @@ def import_of_interface(name: str, package: str) -> str:
 
 
 def call_with_fields(name: str) -> str:
-    """Return a call of a message class with its first fields, like "ColorRGBA(r=1.0, g=1.0, b=1.0, a=1.0)".
+    """Return a call of a message class with its first fields, like "ColorRGBA(r=1.0, g=1.0)".
 
     The result is "" if no type has this name. Of several types, one of a common package is chosen.
     """

@@ -1,4 +1,4 @@
-"""A pytest plugin for testing nodes: ``pytest_plugins = ["course_lib.ros.testing"]`` in a conftest.py.
+"""A pytest plugin for nodes: ``pytest_plugins = ["course_lib.ros.testing"]`` in a conftest.py.
 
 The stand-in then provides ROS's packages, and the tests and their threads run in robot time.
 """

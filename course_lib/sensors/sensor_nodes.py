@@ -165,7 +165,7 @@ class Pinhole:
 
 
 class CameraNode(SensorNode):
-    """Publishes `<prefix>/image_raw` in color, `<prefix>/image_raw/compressed` and `<prefix>/camera_info`.
+    """Publishes `<prefix>/image_raw` in color, `…/image_raw/compressed` and `<prefix>/camera_info`.
 
     Args:
         world: The world to measure.
@@ -223,7 +223,7 @@ class CameraNode(SensorNode):
 
 
 def shade(rays: Floats, distance: Floats, width: int) -> Floats:
-    """Return the brightness of surfaces by their angle to the camera, shape (N,), 0 to 1; edges are dark.
+    """Return the brightness of surfaces, 0 to 1, shape (N,), by their angle to the camera.
 
     The surface at a pixel is spanned by the points of its neighbors, so shapes need no normals.
     """

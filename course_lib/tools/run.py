@@ -117,7 +117,7 @@ def ros2_over(
     seconds: float | None,
     robot: "RobotAddress | None" = None,
 ) -> int:
-    """Run `ros2 <words>` on programs, a recording or a robot, and return the exit code of the programs.
+    """Run `ros2 <words>` on programs, a recording or a robot, and return the programs' exit code.
 
     Raises:
         CourseError: None or several of the three are given, or `ros2` raises it.

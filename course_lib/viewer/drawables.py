@@ -319,7 +319,7 @@ class Sheet:
 
 
 class Inset:
-    """An image in a corner of the view, in front of the scene; the position of its node is irrelevant.
+    """An image in a corner of the view, in front of the scene; its node's position is irrelevant.
 
     Args:
         pixels: RGB, 0..255, shape (rows, columns, 3).

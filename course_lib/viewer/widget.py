@@ -183,9 +183,10 @@ class SceneWidget(anywidget.AnyWidget):
         self.link.listen("dock", lambda order: side_panel.receive(self, order))
         self.on_msg(lambda _, content, buffers: self.link.receive(content, buffers))
         self.comm.on_close(lambda _: self.close())
-        # Pages send messages while a cell runs, which are received in another thread. The comm's own
-        # method also triggers IPython's event `post_execute`, after which Matplotlib draws and closes
-        # the figure that the cell is still drawing: its picture was white, in part or completely.
+        # Pages send messages while a cell runs, which are received in another thread. The comm's
+        # own method also triggers IPython's event `post_execute`, after which Matplotlib draws and
+        # closes the figure that the cell is still drawing: its picture was white, in part or
+        # completely.
         self.comm.handle_msg = self._handle_msg
         if hasattr(self.comm, "_reply_subshell_for"):
             # ipykernel 7.4 delays a page's messages while a cell runs, with or without JupyterLab's

@@ -1,8 +1,8 @@
 """Code that IPython runs at the start of each kernel of `course lab`; PYTHONSTARTUP is its path.
 
-Until a notebook's first cell has loaded the kit, an undefined name, magic or module of ROS is most often
-a cell that was run too early, and the kit's own hints are not there yet. `%load_ext course_lib` replaces
-this handler.
+Until a notebook's first cell has loaded the kit, an undefined name, magic or module of ROS is most
+often a cell that was run too early, and the kit's own hints are not there yet. `%load_ext
+course_lib` replaces this handler.
 """
 
 

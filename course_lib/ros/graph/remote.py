@@ -1,4 +1,4 @@
-"""A graph that a student's process uses through a socket, and the server that owns its clock and topics.
+"""A graph that a student's process uses through a socket, and the server that owns its clock.
 
 The grader judges the messages that a student's nodes publish, so the graph must not live in the
 process that runs their code. There, a `RemoteGraph` sends each operation as a frame; in the grader,
@@ -291,7 +291,7 @@ class GraphServer:
         }
 
     def serve(self) -> None:
-        """Serve requests until the process is idle or sends a frame that is not a request of the graph.
+        """Serve requests until the process is idle or sends a frame that is no request.
 
         Raises:
             ChannelError: A frame is invalid. It has had no effect.
