@@ -3,7 +3,7 @@
 import math
 import sys
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
@@ -70,6 +70,7 @@ class Property:
         names: The names of the rows from the top down to it, if one of them contains a slash, as
             frame names may.
         shown_if: Conditions without which the panel hides the row, as the property has no effect.
+        is_saved: Whether layouts contain the value.
     """
 
     label: str
@@ -77,6 +78,7 @@ class Property:
     convert: Convert
     names: tuple[str, ...] = ()
     shown_if: tuple[Condition, ...] = ()
+    is_saved: bool = True
 
     @property
     def path(self) -> tuple[str, ...]:
@@ -250,6 +252,14 @@ class PropertyHolder(KnownAttributes):
         """Return whether the panel has a row for a property. RViz hides rows without an effect."""
         return all(values and self[label] in values for label, *values in prop.shown_if)
 
+    def panel_rows(self) -> Iterator[tuple[tuple[str, ...], Property]]:
+        """Yield the displayed properties, and the path of each in the panel, parents first."""
+        return ((prop.path, prop) for prop in self.properties if self.is_shown(prop))
+
+    def row_name(self, path: tuple[str, ...]) -> str:
+        """Return the name that the panel shows for the row at a path."""
+        return path[-1]
+
     def is_expanded(self, path: tuple[str, ...]) -> bool:
         """Return whether the row at a path shows the rows below it, until the user collapses it."""
         return False
@@ -307,7 +317,8 @@ class PropertyHolder(KnownAttributes):
                 config = config.get(name) if isinstance(config, Mapping) else None
             value = config["Value"] if isinstance(config, Mapping) and "Value" in config else config
             only_below = prop.path in parents and isinstance(value, Mapping)
-            if value is not None and not only_below and not prop.is_read_only:
+            is_loaded = prop.is_saved and not prop.is_read_only
+            if value is not None and not only_below and is_loaded:
                 try:
                     self[prop.label] = value
                 except CourseError as error:

@@ -1,7 +1,7 @@
 """RViz's RobotModel display, and robots drawn without messages."""
 
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from math import cbrt, pi
@@ -13,13 +13,22 @@ import numpy.typing as npt
 
 from course_lib.arrays import Floats, Matrix
 from course_lib.displays.display import Display, TopicDisplay, node_name, qos_properties
-from course_lib.displays.frames import NS
-from course_lib.displays.properties import NEVER, Property, flag, number, read_only, text, words
-from course_lib.displays.shapes import axes
+from course_lib.displays.frames import NS, quaternion_of
+from course_lib.displays.properties import (
+    NEVER,
+    Convert,
+    Property,
+    flag,
+    number,
+    read_only,
+    text,
+    words,
+)
+from course_lib.displays.shapes import ALONG_X, axes, draw_arrows, placement, rotation_to
 from course_lib.errors import CourseError
 from course_lib.robots.kinematics import link_poses
 from course_lib.robots.robot import Robot, cache_package_searches, import_pinocchio, is_installed, resolve
-from course_lib.robots.urdf import Geometry, Inertial, Link, links_of, parse_urdf
+from course_lib.robots.urdf import UNMOVED, Geometry, Inertial, Joint, Link, links_of, parse_urdf
 from course_lib.ros.graph.topics import Qos
 from course_lib.third_party import read_text
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, MeshFileError, Solids, load_mesh
@@ -239,14 +248,31 @@ class DrawnLink:
             yield kind, (other, np.eye(4))
 
 
-_STYLES = (
-    "Links in Alphabetic Order",
-    "Joints in Alphabetic Order",
-    "Tree of links",
-    "Tree of links and joints",
-    "",
-)
+def joint_axis(axis: Iterable[float]) -> dict[str, Drawable]:
+    """Draw the axis of a joint as RViz's green arrow; nothing for a zero vector."""
+    direction = np.array([*axis])
+    length = np.linalg.norm(direction)
+    if not length:
+        return {}
+    # Arrows point along x, and `rotation_to` maps z.
+    pose = placement(rotation_to(direction / length) @ ALONG_X.T, 1.0, 0.0)
+    return draw_arrows([pose], 0.15, 0.05, 0.05, 0.08, rgba=(0.0, 0.8, 0.0, 1.0))
+
+
+# The styles of the tree, and RViz's name of its top row with each.
+_LINKS, _JOINTS = "Links in Alphabetic Order", "Joints in Alphabetic Order"
+_LINK_TREE, _JOINT_TREE = "Tree of links", "Tree of links and joints"
+_TOP_ROWS = {
+    _LINKS: "Links",
+    _JOINTS: "Joints",
+    _LINK_TREE: "Link Tree",
+    _JOINT_TREE: "Link/Joint Tree",
+}
+# RViz saves an empty style before it has a robot, and loads it as the first one.
+_STYLES = (*_TOP_ROWS, "")
 _ALL, _STYLE = "Links/All Links Enabled", "Links/Link Tree Style"
+_EXPAND = "Links/Expand Tree"
+_EXPAND_DETAILS = {"Links": "Links/Expand Link Details", "Joints": "Links/Expand Joint Details"}
 _TOPIC = "Description Topic"
 _SWITCHES = {
     "visual": "Visual Enabled",
@@ -282,9 +308,9 @@ class RobotModelDisplay(TopicDisplay):
         *(
             Property(f"Links/Expand {what}", False, flag, shown_if=((_STYLE, *styles),))
             for what, styles in (
-                ("Tree", _STYLES[2:]),
-                ("Link Details", (_STYLES[0], _STYLES[2], _STYLES[3])),
-                ("Joint Details", (_STYLES[1], _STYLES[3])),
+                ("Tree", (_LINK_TREE, _JOINT_TREE)),
+                ("Link Details", (_LINKS, _LINK_TREE, _JOINT_TREE, "")),
+                ("Joint Details", (_JOINTS, _JOINT_TREE)),
             )
         ),
         Property(_ALL, True, flag),
@@ -294,6 +320,15 @@ class RobotModelDisplay(TopicDisplay):
         super().__init__(*args)
         self._urdf: str | None = None
         self._links: list[DrawnLink] = []  # by name
+        self._joints: list[Joint] = []  # parents before children
+        # The labels of the links that the check box of a joint shows and hides.
+        self._switches: dict[str, list[str]] = {}
+        # The rows of links and joints by their path in the panel, which depends on the style:
+        # ("Links", name) or ("Joints", name).
+        self._rows: dict[tuple[str, ...], tuple[str, ...]] = {}
+        # The joint of each visible drawable of joints, and the transform of the joint's parent.
+        self._drawn_joints: dict[str, Joint] = {}
+        self._parent_transforms: dict[str, Matrix] = {}
         # The time of the last update; None requests an immediate one.
         self._updated_ns: int | None = None
         # Whether anybody sees the robot, and the properties with which the links are shown.
@@ -302,6 +337,9 @@ class RobotModelDisplay(TopicDisplay):
     def is_shown(self, prop: Property) -> bool:
         """Return whether the panel has a row: RViz hides an unused topic, and the links of no robot."""
         is_used = {_TOPIC: self["Description Source"] == "Topic", "Links": bool(self._links)}
+        if len(prop.names) == 2 and prop.names[0] == "Joints":
+            # RViz removes the check box of a joint that moves no geometry.
+            return bool(self._switches[prop.names[1]])
         return is_used.get(prop.path[0], True) and super().is_shown(prop)
 
     def qos(self) -> Qos:
@@ -319,12 +357,20 @@ class RobotModelDisplay(TopicDisplay):
         switches = [f"Links/{link.name}" for link in self._links if link.has_geometry]
         if label == _ALL:
             self._values |= dict.fromkeys(switches, self[_ALL])
-        elif label in switches:
-            self._values[_ALL] = all(self[switch] for switch in switches)
+        elif label.startswith("Joints/"):
+            _, joint, *setting = self._property(label).names
+            if not setting:
+                self._values |= dict.fromkeys(self._switches[joint], self[label])
+        elif label == _STYLE:
+            self._values |= dict.fromkeys((_EXPAND, *_EXPAND_DETAILS.values()), False)
+            self._arrange()
         elif label == "TF Prefix" and self.is_started:
             self.reset()
         elif label in ("Description File", "Description Source") and self.is_started:
             self.start()
+        if label in switches or label.startswith("Joints/"):
+            self._values[_ALL] = all(self[switch] for switch in switches)
+        self._update_joint_check_boxes()
         self._updated_ns = None
 
     def start(self) -> None:
@@ -370,6 +416,7 @@ class RobotModelDisplay(TopicDisplay):
         is_changed, self._shown_state = state != self._shown_state, state
         with cache_package_searches():
             self._update_links(is_changed)
+        self._update_joints(is_changed)
         if self._problems() != before:
             self._report_problems()
 
@@ -391,9 +438,135 @@ class RobotModelDisplay(TopicDisplay):
             alpha = self["Alpha"] * self[f"{row}/Alpha"]
             link.show(LinkSettings(visibility, alpha, transform is None, self.context.is_seen))
 
+    def _update_joints(self, is_changed: bool) -> None:
+        """Draw the requested axes of joints, which move with the parent links."""
+        scene = self.context.scene
+        if is_changed:
+            before, self._drawn_joints = self._drawn_joints, {}
+            for joint in self._joints:
+                row, path = f"Joints/{joint.name}", f"{self.path}/joints/{node_name(joint.name)}"
+                is_enabled = self[row] if self._switches[joint.name] else True
+                drawables: dict[str, Drawable] = {}
+                if is_enabled and self[f"{row}/Show Axes"]:
+                    drawables["axes"] = _AXES
+                if is_enabled and self.get(f"{row}/Show Joint Axis", False):
+                    drawables |= joint_axis(joint.axis)
+                for name, drawable in drawables.items():
+                    node = f"{path}/{name}"
+                    self._drawn_joints[node] = joint
+                    if node not in before:
+                        scene.set_object(node, drawable)
+            for node in before.keys() - self._drawn_joints.keys():
+                scene.delete(node)
+                self._parent_transforms.pop(node, None)
+        for node, joint in self._drawn_joints.items():
+            transform = self.context.frames.transform(self._frame_of(joint.parent))
+            if transform is not None and transform is not self._parent_transforms.get(node):
+                self._parent_transforms[node] = transform
+                scene.set_transform(node, transform @ joint.transform_joint_to_parent)
+
+    def panel_rows(self) -> Iterator[tuple[tuple[str, ...], Property]]:
+        """Yield the displayed properties; the style arranges those of links and joints."""
+        by_row: dict[tuple[str, ...], list[Property]] = {row: [] for row in self._rows.values()}
+        by_row[()] = []
+        for prop in self.properties:
+            if prop.names[:2] in by_row and self.is_shown(prop):
+                by_row[prop.names[:2]].append(prop)
+        yield from ((prop.path, prop) for prop in by_row[()])
+        # In a tree, the rows of children follow the row Details.
+        details = ("Details",) if self._is_tree else ()
+        for path, row in self._rows.items():
+            for prop in by_row[row]:
+                names = prop.names[2:]
+                yield (*path, *(details if names else ()), *names), prop
+
+    def row_name(self, path: tuple[str, ...]) -> str:
+        """Return the name of a row, which for the links depends on the style."""
+        return _TOP_ROWS.get(self[_STYLE], "Links") if path == ("Links",) else path[-1]
+
     def is_expanded(self, path: tuple[str, ...]) -> bool:
-        """Return whether the details of links are shown."""
-        return len(path) == 2 and path[0] == "Links" and bool(self["Links/Expand Link Details"])
+        """Return whether an Expand property shows the rows below a link, a joint or its details."""
+        is_details = not self._is_tree or path[-1] == "Details"
+        row = self._rows.get(path[:-1] if self._is_tree and is_details else path)
+        if row is None:
+            return False
+        return bool(self[_EXPAND_DETAILS[row[0]] if is_details else _EXPAND])
+
+    @classmethod
+    def describe(cls, prop: Property) -> str:
+        """Return RViz's description of a property, or ""."""
+        description = super().describe(prop)
+        is_of_joint = prop.names[:1] == ("Joints",)
+        return description.replace("this link", "this joint") if is_of_joint else description
+
+    @property
+    def _is_tree(self) -> bool:
+        return self[_STYLE] in (_LINK_TREE, _JOINT_TREE)
+
+    def _arrange(self) -> None:
+        """Arrange the rows of links and joints, and the links of each joint, by the style."""
+        style, links = self[_STYLE], [link.name for link in self._links]
+        below = {link.name: [f"Links/{link.name}"] * link.has_geometry for link in self._links}
+        self._rows = {("Links", name): ("Links", name) for name in links}
+        if style == _JOINTS:
+            names = sorted(joint.name for joint in self._joints)
+            self._rows = {("Links", name): ("Joints", name) for name in names}
+        elif self._is_tree and self._links:
+            for joint in reversed(self._joints):
+                below[joint.parent] = below[joint.parent] + below[joint.child]
+            root = self._joints[0].parent if self._joints else links[0]
+            paths: dict[str, tuple[str, ...]] = {root: ("Links", root)}
+            self._rows = {paths[root]: ("Links", root)}
+            for joint in self._joints:
+                path = paths[joint.parent]
+                if style == _JOINT_TREE:
+                    path = (*path, joint.name)
+                    self._rows[path] = ("Joints", joint.name)
+                paths[joint.child] = path = (*path, joint.child)
+                self._rows[path] = ("Links", joint.child)
+        self._switches = {joint.name: below[joint.child] for joint in self._joints}
+        self._update_joint_check_boxes()
+
+    def _update_joint_check_boxes(self) -> None:
+        """Set the check box of each joint by its links, of which one can be hidden by itself."""
+        for joint, switches in self._switches.items():
+            if f"Joints/{joint}" in self._values:
+                self._values[f"Joints/{joint}"] = all(self[switch] for switch in switches)
+
+    def _joint_value(self, joint: Joint, label: str) -> Any:
+        transform = self.context.frames.transform(self._frame_of(joint.parent))
+        if transform is None:
+            return ""
+        pose = transform @ joint.transform_joint_to_parent
+        numbers = pose[:3, 3] if label == "Position" else quaternion_of(pose[:3, :3])
+        return tuple(round(float(number), 6) for number in numbers)
+
+    def _joint_rows(self, joint: Joint, has_geometry: bool) -> Iterator[Property]:
+        """Yield the properties of a joint, which RViz does not restore from a layout.
+
+        Args:
+            joint: The joint.
+            has_geometry: Whether a link below it has geometry; others have no check box.
+        """
+
+        def row(name: str, value: Any, convert: Convert = read_only) -> Property:
+            label = f"Joints/{joint.name}/{name}"
+            return Property(label, value, convert, ("Joints", joint.name, name), is_saved=False)
+
+        names = ("Joints", joint.name)
+        if has_geometry:
+            yield Property("/".join(names), True, flag, names, is_saved=False)
+        yield row("Show Axes", False, flag)
+        for label in ("Position", "Orientation"):
+            yield row(label, partial(self._joint_value, joint, label))
+        yield row("Type", joint.kind)
+        # A joint without <limit> has no effort.
+        if joint.effort is not None:
+            for bound in ("lower", "upper"):
+                yield row(f"{bound.title()} Limit", joint.limits.get(bound, 0.0))
+        if joint.kind not in UNMOVED:
+            yield row("Show Joint Axis", False, flag)
+            yield row("Joint Axis", joint.axis)
 
     def _frame_of(self, link: str) -> str:
         prefix = self["TF Prefix"]
@@ -410,13 +583,18 @@ class RobotModelDisplay(TopicDisplay):
 
     def _load(self) -> None:
         """Create the links of the description, replacing earlier ones."""
-        self.context.scene.delete(f"{self.path}/links")
-        self._links, self._updated_ns = [], None
+        for group in ("links", "joints"):
+            self.context.scene.delete(f"{self.path}/{group}")
+        self._links, self._joints, self._updated_ns, self._shown_state = [], [], None, None
+        self._drawn_joints.clear()
+        self._parent_transforms.clear()
+        self._arrange()
         self.shrink("Links")
+        self.shrink("Joints")
         if self._urdf is None:
             return
         try:
-            parse_urdf(self._urdf)
+            tree = parse_urdf(self._urdf)
         except CourseError as error:
             self.statuses.clear()
             self.statuses.set("error", "URDF", "URDF failed Model parse")
@@ -443,7 +621,19 @@ class RobotModelDisplay(TopicDisplay):
             for label in ("Position", "Orientation"):
                 value = partial(self._link_value, link.name, label)
                 rows.append(Property(f"{row}/{label}", value, read_only, (*names, label)))
-        wrong = self.grow(*rows)
+        joints = tree.joints_from_root()
+        moving = {link.name for link in self._links if link.has_geometry}
+        for joint in reversed(joints):
+            if joint.child in moving:
+                moving.add(joint.parent)
+        joint_rows: list[Property] = []
+        for joint in joints:
+            joint_rows += self._joint_rows(joint, joint.child in moving)
+        wrong = self.grow(*rows, *joint_rows)
+        # The type and limits of an earlier description with the same names are outdated.
+        self._values |= {row.label: row.default for row in joint_rows if row.is_read_only}
+        self._joints = joints
+        self._arrange()
         self.statuses.hint("Links", *wrong)
         self.statuses.hint("URDF", *(problem for link in links for problem in link.problems))
         self._report_problems()

@@ -106,7 +106,7 @@ def _with_properties(holder: _Configured, entries: Mapping[str, Any]) -> dict[st
     config: dict[str, Any] = {**holder.config, **entries}
     parents = {prop.path[:-1] for prop in holder.properties}
     for prop in holder.properties:
-        if prop.is_read_only:
+        if prop.is_read_only or not prop.is_saved:
             continue
         *path, last = prop.path
         place = config

@@ -29,7 +29,7 @@ SILENT = {
     "Links/Expand Joint Details": "opens rows of the panel",
     "Links/Expand Link Details": "opens rows of the panel",
     "Links/Expand Tree": "opens rows of the panel",
-    "Links/Link Tree Style": "sorts rows of the panel",
+    "Links/Link Tree Style": "arranges rows of the panel; see robot_model/test_display",
     "Selectable": "is for the Select tool; see test_desk",
     "Visibility": "names other displays; see test_camera",
     "LaserScan: Use Fixed Frame": "scans are projected into the fixed frame, so both are one",

@@ -81,16 +81,17 @@ class Rows(dict[str, RowEntry]):
 
     def put_properties(self, holder: PropertyHolder, parent: str) -> None:
         """Add the properties of an object that RViz displays, without its check box."""
-        for prop in holder.properties:
-            if prop.label == "Enabled" or not holder.is_shown(prop):
+        for path, prop in holder.panel_rows():
+            if prop.label == "Enabled":
                 continue
             above = parent
-            for depth, name in enumerate(prop.path[:-1], 1):
+            for depth, name in enumerate(path[:-1], 1):
                 key = f"{above}#{name}"
                 if key not in self:
-                    self.put(key, above, name, open=holder.is_expanded(prop.path[:depth]))
+                    row = path[:depth]
+                    self.put(key, above, holder.row_name(row), open=holder.is_expanded(row))
                 above = key
-            self._put_property(holder, prop, above)
+            self._put_property(holder, prop, path, above)
 
     def put_statuses(self, key: str, parent: str, label: str, rows: list[StatusRow]) -> None:
         """Add statuses below a row that shows the worst level."""
@@ -100,7 +101,9 @@ class Rows(dict[str, RowEntry]):
             mark, title = mark_of(row.level), NOTES.get(row.name, "")
             self.put(f"{key}!{index}", key, row.name, text=row.text, mark=mark, title=title)
 
-    def _put_property(self, holder: PropertyHolder, prop: Property, parent: str) -> None:
+    def _put_property(
+        self, holder: PropertyHolder, prop: Property, path: tuple[str, ...], parent: str
+    ) -> None:
         def edit(value: Any) -> None:
             holder[prop.label] = value
 
@@ -108,7 +111,7 @@ class Rows(dict[str, RowEntry]):
         editor = _editor(prop, holder)
         shown_value = "" if prop.convert is booleans else value if editor.kind != "none" else str(value)
         shown = {"value": shown_value, "title": holder.describe(prop)}
-        is_open = holder.is_expanded(prop.path)
+        is_open = holder.is_expanded(path)
         self.put(key, parent, prop.path[-1], edit, editor=editor, open=is_open, **shown)
         if prop.convert is booleans:
             for name, on in value.items():

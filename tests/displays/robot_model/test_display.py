@@ -13,6 +13,7 @@ from course_lib.displays.writer import member_config
 from course_lib.robots.robot import load_robot
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.programs.packages import packages
+from course_lib.viewer.drawables import Solids
 from tests.displays.bench import START_NS, Bench
 from tests.displays.robot_model.robots import (
     ARM,
@@ -235,3 +236,143 @@ def test_details_of_links_are_expanded_on_request() -> None:
     assert expanded() == set()
     display["Expand Link Details"] = True
     assert expanded() == {"base", "arm"}
+
+
+def tree_of(bench: Bench) -> list[str]:
+    """Return the rows of links and joints in the panel, each indented by its depth."""
+    keys = [key.split("#")[1:] for key in display_rows(bench.session)]
+    names = ("base", "arm", "tool", "j", "k")
+    below = [key for key in keys if key[:1] == ["Links"] and key[-1] in names]
+    return ["." * (len(key) - 2) + key[-1] for key in below]
+
+
+@pytest.mark.parametrize(
+    ("style", "top", "expected"),
+    [
+        ("Links in Alphabetic Order", "Links", ["arm", "base", "tool"]),
+        ("Joints in Alphabetic Order", "Joints", ["j", "k"]),
+        ("Tree of links", "Link Tree", ["base", ".arm", "..tool"]),
+        (
+            "Tree of links and joints",
+            "Link/Joint Tree",
+            ["base", ".j", "..arm", "...k", "....tool"],
+        ),
+    ],
+)
+def test_link_tree_style_arranges_the_rows_of_links_and_joints(
+    style: str, top: str, expected: list[str]
+) -> None:
+    bench = Bench()
+    display = robot(bench)
+    display["Expand Link Details"] = True
+    display["Link Tree Style"] = style
+    assert tree_of(bench) == expected
+    rows = display_rows(bench.session)
+    assert next(entry.row.label for key, entry in rows.items() if key.endswith("#Links")) == top
+    assert display["Expand Link Details"] is (style == "Links in Alphabetic Order")
+
+
+def test_expand_properties_open_the_rows_of_the_tree_and_their_details() -> None:
+    bench = Bench()
+    display = robot(bench, **{"Link Tree Style": "Tree of links and joints"})
+
+    def expanded() -> set[str]:
+        rows = display_rows(bench.session).items()
+        keys = [key for key, entry in rows if entry.row.open and "#Links" in key]
+        return {"/".join(key.split("#")[2:]) for key in keys}
+
+    assert expanded() == set()
+    display["Expand Tree"] = True
+    links, joints = {"base", "base/j/arm", "base/j/arm/k/tool"}, {"base/j", "base/j/arm/k"}
+    assert expanded() == links | joints
+    display["Expand Tree"] = False
+    display["Expand Joint Details"] = True
+    assert expanded() == {f"{joint}/Details" for joint in joints}
+    display["Expand Link Details"] = True
+    assert expanded() == {f"{row}/Details" for row in links | joints}
+
+
+def test_joint_rows_describe_the_joint() -> None:
+    bench = Bench()
+    origin = '<child link="arm"/><origin xyz="0 0 2" rpy="0 0 1.5707963267948966"/>'
+    for child in ("base", "arm", "tool"):
+        bench.transform("map", child, (1.0, 0.0, 0.0))
+    display = robot(bench, **{"Link Tree Style": "Joints in Alphabetic Order"})
+    text = ARM.format(arm=CYLINDER).replace('<child link="arm"/>', origin)
+    bench.publish("/robot_description", String(data=text), qos=LATCHED)
+    bench.update()
+    assert display["Joints/j/Position"] == (1.0, 0.0, 2.0)
+    assert display["Joints/j/Orientation"] == pytest.approx((0.0, 0.0, 0.707107, 0.707107))
+    labels = [prop.path[-1] for prop in display.properties if prop.path[:2] == ("Joints", "j")]
+    assert {label: display[f"Joints/j/{label}"] for label in labels[4:]} == {
+        "Type": "revolute",
+        "Lower Limit": -1.0,
+        "Upper Limit": 1.0,
+        "Show Joint Axis": False,
+        "Joint Axis": (0.0, 0.0, 1.0),
+    }
+    labels = [prop.path[-1] for prop in display.properties if prop.path[:2] == ("Joints", "k")]
+    assert labels == ["Show Axes", "Position", "Orientation", "Type"]
+
+
+def test_check_box_of_a_joint_hides_its_link_and_in_a_tree_all_links_below() -> None:
+    bench = Bench()
+    joint = '<joint name="l" type="fixed"><parent link="world"/><child link="base"/></joint>'
+    world = f'<link name="world"/>{joint}</robot>'
+    text = ARM.format(arm=CYLINDER).replace("</robot>", world)
+    display = standing(bench)
+    bench.publish("/robot_description", String(data=text), qos=LATCHED)
+    bench.update()
+    display["Joints/l"] = False
+    assert list(visible_drawables(bench)) == ["arm/visual/0"]
+    display["Link Tree Style"] = "Tree of links and joints"
+    assert (display["Joints/l"], display["Joints/j"]) == (False, True)
+    display["Joints/l"] = True
+    display["Joints/l"] = False
+    assert not visible_drawables(bench)
+    assert (display["Joints/j"], display["All Links Enabled"]) == (False, False)
+    display["All Links Enabled"] = True
+    assert display["Joints/l"] is True
+    # Nothing with geometry moves with the last joint.
+    rows = display_rows(bench.session)
+    labels = {key.rpartition("#")[2]: entry.row.value for key, entry in rows.items()}
+    assert (labels["j"], labels["k"]) == (True, None)
+
+
+def test_axes_of_a_joint_are_drawn_in_its_frame() -> None:
+    bench = Bench()
+    bench.transform("map", "base", (1.0, 0.0, 0.0))
+    origin = '<child link="arm"/><origin xyz="0 0 2" rpy="1.5707963267948966 0 0"/>'
+    display = robot(bench)
+    text = ARM.format(arm=CYLINDER).replace('<child link="arm"/>', origin)
+    bench.publish("/robot_description", String(data=text), qos=LATCHED)
+    bench.update()
+    node, layout = "displays/Robot/joints/j", member_config(display)
+    display["Joints/j/Show Axes"] = display["Joints/j/Show Joint Axis"] = True
+    bench.update()
+    assert {path for path in bench.scene.objects() if path.startswith(node)} == {
+        f"{node}/{name}" for name in ("axes", "shaft", "head")
+    }
+    np.testing.assert_allclose(bench.scene.world_transform(f"{node}/axes")[:3, 3], [1, 0, 2])
+    shaft = bench.scene.objects()[f"{node}/shaft"]
+    assert isinstance(shaft, Solids)
+    center = bench.scene.world_transform(f"{node}/shaft") @ shaft.placements[0][:, 3]
+    np.testing.assert_allclose(center[:3], [1, -0.075, 2], atol=1e-9)
+    assert member_config(display) == layout
+    display["Joints/j"] = False
+    bench.update()
+    assert not {path for path in bench.scene.objects() if path.startswith(node)}
+
+
+@pytest.mark.parametrize("style", ["Joints in Alphabetic Order", "Tree of links and joints"])
+def test_link_settings_are_restored_with_every_style(style: str) -> None:
+    display = robot(Bench(), **{"Link Tree Style": style})
+    display["Links/arm/Alpha"], display["Expand Joint Details"] = 0.25, True
+    layout = member_config(display)
+    bench = Bench()
+    restored = bench.session.add(ROBOT, "Robot", layout)
+    bench.publish("/robot_description", String(data=ARM.format(arm=CYLINDER)), qos=LATCHED)
+    bench.update()
+    assert (restored["Links/arm/Alpha"], restored["Expand Joint Details"]) == (0.25, True)
+    assert member_config(restored) == layout
+    assert "Joints" not in layout

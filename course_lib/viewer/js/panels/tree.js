@@ -23,7 +23,13 @@ export class Tree {
 
   /** @param {import("./editors.js").Row[]} rows parents first */
   update(rows) {
+    const before = new Map(this.rows.map((row) => [row.key, row.open ?? false]));
     this.rows = rows;
+    // A property that expands or collapses rows overrides what the user did with them earlier.
+    for (const row of rows) {
+      const isOpen = row.open ?? false;
+      if ((before.get(row.key) ?? isOpen) !== isOpen) this.openStates.delete(row.key);
+    }
     const depths = new Map();
     const parents = new Set(rows.map((row) => row.parent));
     const shown = [];
