@@ -24,7 +24,7 @@ from course_lib.files import draft_folder
 from course_lib.ros.graph.graph import Graph, Sample, TopicSelector
 from course_lib.ros.graph.topics import Qos, read_tick
 from course_lib.ros.messages import RosMessage
-from course_lib.ros.messages.definitions import definition, type_hash, typestore
+from course_lib.ros.messages.definitions import add_stored_definition, definition, type_hash, typestore
 from course_lib.third_party import LFS_POINTER, MOST_TEXT, NOT_FETCHED, check_regular, check_size, read_text
 
 if TYPE_CHECKING:
@@ -251,6 +251,10 @@ _SQLITE_MAGIC = b"SQLite format 3\0"
 # Opcodes of MCAP (mcap.dev/spec).
 _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = _OPCODES = (3, 4, 5, 6)
 _TOPICS = "SELECT id, name, type, serialization_format, offered_qos_profiles FROM topics"
+_DEFINITIONS_TABLE = "SELECT 1 FROM sqlite_master WHERE name = 'message_definitions'"
+_DEFINITIONS = "SELECT topic_type, encoded_message_definition FROM message_definitions WHERE encoding = ?"
+# The encoding of definitions in the format of .msg files.
+_MSG = "ros2msg"
 # Without the index, because it may be incomplete.
 _MESSAGES = "SELECT timestamp, topic_id, data FROM messages NOT INDEXED"
 
@@ -352,7 +356,11 @@ def _mcap(file: BinaryIO, path: Path) -> Iterator[Sample]:
     channels: dict[int, tuple[str, str, Qos]] = {}
     for opcode, content in _unpack_records(file):
         if opcode == _SCHEMA:
-            types[struct.unpack_from("<H", content)[0]] = _text(content, 2)[0]
+            name, at = _text(content, 2)
+            types[struct.unpack_from("<H", content)[0]] = name
+            encoding, at = _text(content, at)
+            if encoding == _MSG:
+                add_stored_definition(name, _text(content, at)[0])
         elif opcode == _CHANNEL:
             channel, schema = struct.unpack_from("<HH", content)
             topic, at = _text(content, 4)
@@ -426,6 +434,10 @@ def _sqlite(path: Path) -> Iterator[Sample]:
     database = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)
     # Otherwise SQLite rejects a file that is shorter than its header states.
     database.execute("PRAGMA writable_schema = ON")
+    # Bags of Humble lack the table.
+    for _ in database.execute(_DEFINITIONS_TABLE).fetchall():
+        for type_name, text in database.execute(_DEFINITIONS, (_MSG,)):
+            add_stored_definition(type_name, text)
     topics = {}
     for topic, name, type_name, serialization_format, qos_text in database.execute(_TOPICS):
         _check_format(path, name, serialization_format)
@@ -587,6 +599,9 @@ def _check_bag(path: Path) -> None:
 def _samples(reader: "Reader") -> list[Sample]:
     # Connections of rosbag2 bags, whose ext has the QoS.
     connections: list[Any] = reader.connections
+    for one in connections:
+        if one.msgdef.format.name == "MSG":
+            add_stored_definition(one.msgtype, one.msgdef.data)
     qos_profiles = {one.id: from_bag(one.ext.offered_qos_profiles) for one in connections}
     samples: list[Sample] = []
     for one, stamp_ns, cdr in reader.messages():

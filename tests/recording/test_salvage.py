@@ -3,19 +3,23 @@
 import re
 import struct
 import tracemalloc
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 import rosbag2_py
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, bag_info, read_bag, write_bag
 from course_lib.ros.graph.graph import Sample
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import message_class, serialize
-from course_lib.ros.messages.definitions import typestore
+from course_lib.ros.messages.definitions import definition, field_definitions, typestore
 
 START = 1_700_000_000_000_000_000  # [ns]
 STRING = "std_msgs/msg/String"
@@ -317,3 +321,104 @@ def test_huge_file_without_messages_is_rejected_within_little_memory(opcode: int
         tracemalloc.stop()
     # Only a record that is read takes memory, and never more than the file.
     assert peak < (2**24 if opcode != 3 else 2**28 + 2**24)
+
+
+_STORED_REPORT = f"""std_msgs/Header header
+Cell[2] cells
+geometry_msgs/Point center
+string name "unnamed"
+uint8 FAST=1
+{"=" * 80}
+MSG: PACKAGE/Cell
+float64[] values
+bool is_free
+{"=" * 80}
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+{"=" * 80}
+MSG: builtin_interfaces/Time
+int32 sec
+uint32 nanosec
+{"=" * 80}
+MSG: geometry_msgs/Point
+float64 x
+float64 y
+float64 z
+"""
+
+
+@pytest.fixture
+def type_definitions() -> Iterator[None]:
+    """Remove the types that a test reads from its bags."""
+    known = set(field_definitions())
+    yield
+    for name in set(field_definitions()) - known:
+        del field_definitions()[name]
+    definition.cache_clear()
+
+
+def write_custom_type(folder: Path, type_name: str, text: str, cdr: bytes, storage: StoragePlugin) -> Path:
+    """Write a bag with one message of a type that only the bag defines; return its file."""
+    with Writer(folder, version=9 if storage is StoragePlugin.MCAP else 8, storage_plugin=storage) as writer:
+        topic = writer.add_connection("/report", type_name, msgdef=text, rihs01="RIHS01_" + "0" * 64)
+        writer.write(topic, START, cdr)
+    return next(path for path in folder.iterdir() if path.suffix != ".yaml")
+
+
+@pytest.mark.usefixtures("type_definitions")
+@pytest.mark.parametrize("is_single_file", [False, True])
+@pytest.mark.parametrize("storage", [StoragePlugin.MCAP, StoragePlugin.SQLITE3])
+def test_type_without_a_package_is_read_with_the_definition_in_the_bag(
+    tmp_path: Path, storage: StoragePlugin, is_single_file: bool
+) -> None:
+    package = f"stored_{storage.name.lower()}_{int(is_single_file)}_msgs"
+    text = _STORED_REPORT.replace("PACKAGE", package)
+    name = f"{package}/msg/Report"
+    store = get_typestore(Stores.ROS2_JAZZY)
+    store.register(get_types_from_msg(text.replace(' "unnamed"', ""), name))
+    types = store.types
+    cells = [types[f"{package}/msg/Cell"](np.array([1.0, 2.0]), flag) for flag in (True, False)]
+    stamp = types["builtin_interfaces/msg/Time"](3, 4)
+    header = types["std_msgs/msg/Header"](stamp, "map")
+    report = types[name](header, cells, types["geometry_msgs/msg/Point"](1.0, 2.0, 3.0), "left")
+    cdr = bytes(store.serialize_cdr(report, name))
+    file = write_custom_type(tmp_path / "bag", name, text, cdr, storage)
+    recording = read_bag(file if is_single_file else tmp_path / "bag")
+    message: Any
+    ((_, message),) = recording.messages("/report")
+    assert message.header.frame_id == "map"
+    assert [list(cell.values) for cell in message.cells] == [[1.0, 2.0], [1.0, 2.0]]
+    assert [cell.is_free for cell in message.cells] == [True, False]
+    assert (message.center.z, message.name, message.FAST) == (3.0, "left", 1)
+    message = message_class(name)()
+    assert message.name == "unnamed"
+    write_bag(recording, tmp_path / "copy")
+    assert read_bag(tmp_path / "copy") == recording
+
+
+@pytest.mark.parametrize(
+    ("case", "text"),
+    [
+        ("code", "float64 x__import__\n"),
+        ("syntax", "%%%\n"),
+        ("heading", f"float64 x\n{'=' * 80}\nMSG: os; print(1)\nfloat64 y\n"),
+        ("keyword", "float64 import\n"),
+        ("unknown", "Nowhere place\n"),
+        ("wide", "wstring name\n"),
+        ("recursive", "Thing[] children\n"),
+        ("large", "float64[1000001] x\n"),
+        ("nested", f"A[2000] a\n{'=' * 80}\nMSG: refused_nested_msgs/A\nfloat64[2000] x\n"),
+        ("digits", f"float64[{'9' * 5000}] x\n"),
+        ("long", "float64 x\n" + "# comment\n" * 20_000),
+        ("other", f"geometry_msgs/Point p\n{'=' * 80}\nMSG: geometry_msgs/Point\nfloat32 x\n"),
+    ],
+)
+def test_unusable_definition_in_a_bag_leaves_its_type_unknown(tmp_path: Path, case: str, text: str) -> None:
+    name = f"refused_{case}_msgs/msg/Thing"
+    write_custom_type(tmp_path / "bag", name, text, b"\0\1\0\0" + bytes(8), StoragePlugin.MCAP)
+    recording = read_bag(tmp_path / "bag")
+    assert len(recording.samples) == 1
+    with pytest.raises(CourseError, match=f"No message type '{name}' here: put the folder"):
+        next(recording.messages("/report"))
+    assert [field.base for field in definition("geometry_msgs/msg/Point").fields] == ["float64"] * 3

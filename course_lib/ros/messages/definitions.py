@@ -3,11 +3,13 @@
 The fields come from rosbags' type store and from the kit's interface files.
 """
 
+import math
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
+from keyword import iskeyword
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, cast
 
@@ -146,6 +148,71 @@ def add_package(folder: Path, name: str = "") -> None:
             if reason := next((UNSUPPORTED[base] for base in sorted(bases & UNSUPPORTED.keys())), ""):
                 for name in types_by_file[file]:
                     UNSUPPORTED.setdefault(name, reason)
+
+
+# Limits on the definition of a type in a bag: its characters, and the values of a message in which
+# all sequences are empty.
+_MOST_STORED_CHARACTERS, _MOST_STORED_VALUES = 100_000, 1_000_000
+
+
+def add_stored_definition(type_name: str, text: str) -> None:
+    """Add a type that no package here defines, with the text in the format of .msg that a bag stores.
+
+    Known types stay as they are. The type stays unknown if the text is invalid, exceeds a limit, or
+    defines a known type differently.
+    """
+    from rosbags.typesys import TypesysError
+
+    if len(text) > _MOST_STORED_CHARACTERS or _is_defined(type_name):
+        return
+    stored, defaults = dict[str, Any](), dict[tuple[str, str], Any]()
+    try:
+        for file, content in interface_files.split_stored(type_name, text).items():
+            interface_files.check_lines(content, file)
+            stored |= interface_files.parse_interface(content, file)
+            defaults |= interface_files.parse_defaults(content, file)
+    except (CourseError, TypesysError, ValueError, RecursionError):
+        return
+    # Classes and readers are compiled with the names of fields.
+    names = (name for _, fields in stored.values() for name, _ in fields)
+    if not all(name.isascii() and name.isidentifier() and not iskeyword(name) for name in names):
+        return
+    definitions = field_definitions()
+    new_types = {name: fields for name, fields in stored.items() if not _is_defined(name)}
+    if any(stored[name][1] != definitions[name][1] for name in stored.keys() - new_types.keys()):
+        return
+    counts = dict[str, float]()
+    if _count_values(type_name, new_types, counts) > _MOST_STORED_VALUES:
+        return
+    # Without rosbags' `register`, which executes code that it generates from the text.
+    definitions.update({name: new_types[name] for name in counts})
+    DEFAULTS.update({key: default for key, default in defaults.items() if key[0] in counts})
+
+
+def _is_defined(type_name: str) -> bool:
+    """Return whether a type is defined here, even if the kit cannot represent it."""
+    try:
+        definition(type_name)
+    except CourseError:
+        return type_name in field_definitions()
+    return True
+
+
+def _count_values(type_name: str, new_types: Mapping[str, Any], counts: dict[str, float]) -> float:
+    """Count the values of a message with empty sequences; infinite if a type is unknown or recursive."""
+    if type_name not in new_types:
+        return 1 if _is_defined(type_name) and type_name not in UNSUPPORTED else math.inf
+    if type_name not in counts:
+        # The count while the fields are visited, which a recursive type finds.
+        counts[type_name] = math.inf
+        total = 1.0
+        for name, form in new_types[type_name][1]:
+            field = _field(type_name, name, form)
+            count = _count_values(field.base, new_types, counts) if field.is_message else 1
+            empty = field.container == "sequence" and count < math.inf
+            total += 0 if empty else count * max(field.size, 1)
+        counts[type_name] = total
+    return counts[type_name]
 
 
 def find_package(package: str) -> None:

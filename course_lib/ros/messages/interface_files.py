@@ -142,6 +142,26 @@ def parse_interface(text: str, file: str, path: Path | None = None) -> dict[str,
     return {f"{package}/{folder}/{name}{part}": _parse(text, package) for part, text in texts.items()}
 
 
+def split_stored(type_name: str, text: str) -> dict[str, str]:
+    """Split the definition of a type that a bag stores into one text for each .msg file.
+
+    Lines of = and `MSG: my_msgs/Name` precede each type that the first one refers to.
+
+    Raises a CourseError for an invalid name.
+    """
+    first, *others = re.split(r"^={80}\n", text, flags=re.MULTILINE)
+    files = {}
+    for part in (f"MSG: {type_name}\n{first}", *others):
+        heading, _, content = part.partition("\n")
+        match = re.fullmatch(rf"MSG: ([a-z][a-z0-9_]*)/(?:msg/)?({_TYPE_NAME})\s*", heading)
+        if match is None:
+            raise CourseError(
+                f"The bag names a definition {heading!r:.100}, and not like 'MSG: my_msgs/Name'."
+            )
+        files[f"{match[1]}/msg/{match[2]}.msg"] = content
+    return files
+
+
 def type_names_in(file: str) -> list[str]:
     """Return the types of the messages in a file ``my_msgs/msg/Name.msg`` without reading it."""
     name, _, kind = file.rpartition(".")
@@ -183,21 +203,26 @@ def parse_defaults(text: str, file: str) -> dict[tuple[str, str], Any]:
 
 def check_interface(path: Path) -> None:
     """Raise a CourseError for the first line that is invalid, or for a name that rosidl rejects."""
-    from rosbags.typesys import TypesysError
-
     if not re.fullmatch(_TYPE_NAME, path.stem):
         raise CourseError(f"{path}: the file name must be a type name like JointLimit, not {path.stem!r}.")
     try:
         text = read_text(path)
     except (OSError, UnicodeDecodeError) as error:
         raise CourseError(f"{path} cannot be read as a text file in UTF-8: {error}.") from error
+    check_lines(text, str(path))
+
+
+def check_lines(text: str, source: str) -> None:
+    """Raise a CourseError for the first line of an interface that is invalid."""
+    from rosbags.typesys import TypesysError
+
     names = set[str]()
     for number, line in enumerate(text.splitlines(), start=1):
         field = _FIELD.fullmatch(line)
         if line.startswith("---"):
             names.clear()
         if field is not None:
-            _check_field(f"{path}, line {number}", field["name"], names)
+            _check_field(f"{source}, line {number}", field["name"], names)
         declaration = _CONSTANT.fullmatch(line) or field
         if (
             declaration is not None
@@ -205,14 +230,14 @@ def check_interface(path: Path) -> None:
             and not _is_value_of(declaration["type"], declaration["default"])
         ):
             raise CourseError(
-                f"{path}, line {number}: {declaration['default']!r} is not a value of the type "
+                f"{source}, line {number}: {declaration['default']!r} is not a value of the type "
                 f"{declaration['type']}."
             )
         try:
             _parse("" if line.startswith("---") else line, "x")
         except TypesysError as error:
             raise CourseError(
-                f"{path}, line {number}: {line.strip()!r:.100} is neither a field, like `float64 "
+                f"{source}, line {number}: {line.strip()!r:.100} is neither a field, like `float64 "
                 "speed`, nor a constant, like `uint8 FAST=1`."
             ) from error
 
