@@ -315,6 +315,9 @@ class BufferCore:
         # All frames in the order of their first occurrence.
         self._frames: dict[str, None] = {}
         self.authorities: dict[str, str] = {}
+        # The last description, until the frames change: in a chain of thousands of frames, every
+        # lookup can fail with it.
+        self._description: str | None = None
 
     def set_transform(
         self, transform: Transform, authority: str = "default_authority", is_static: bool = False
@@ -418,19 +421,23 @@ class BufferCore:
 
     def describe_frames(self) -> str:
         """List each frame that has or had a parent, with the parent, in tf2's format."""
-        return "".join(
-            f"Frame {frame} exists with parent {self.parent(frame) or 'NO_PARENT'}.\n"
-            for frame in self._frames
-            if frame in self._caches
-        )
+        if self._description is None:
+            self._description = "".join(
+                f"Frame {frame} exists with parent {self.parent(frame) or 'NO_PARENT'}.\n"
+                for frame in self._frames
+                if frame in self._caches
+            )
+        return self._description
 
     def clear(self) -> None:
         """Remove all dynamic transforms. Static transforms and frame names remain, as in tf2."""
+        self._description = None
         for child, cache in self._caches.items():
             if isinstance(cache, TimeCache):
                 self._caches[child] = TimeCache(self._cache_ns)
 
     def _store(self, transform: Transform, is_static: bool) -> bool:
+        self._description = None
         if is_static:
             self._caches[transform.child] = StaticCache(transform)
             return True

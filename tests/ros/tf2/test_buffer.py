@@ -277,3 +277,13 @@ def test_buffer_interface_without_lookup_raises_not_implemented() -> None:
         tf2_ros.BufferInterface().transform(PointStamped(), "b")
     with pytest.raises(tf2_ros.NotImplementedException, match="CanTransform"):
         tf2_ros.BufferInterface().can_transform("a", "b", Time())
+
+
+def test_description_of_the_frames_is_formatted_again_only_after_a_change() -> None:
+    buffer = filled()
+    before = buffer.all_frames_as_string()
+    assert buffer.all_frames_as_string() is before
+    buffer.set_transform_static(stamped("tool", "tip"), "me")
+    assert buffer.all_frames_as_string() == f"{before}Frame tip exists with parent tool.\n"
+    buffer.clear()
+    assert "Frame base exists with parent NO_PARENT." in buffer.all_frames_as_string()
