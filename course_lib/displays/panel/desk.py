@@ -109,7 +109,8 @@ class Rows(dict[str, RowEntry]):
 
         key, value = f"{parent}#{prop.path[-1]}", holder[prop.label]
         editor = _editor(prop, holder)
-        shown_value = "" if prop.convert is booleans else value if editor.kind != "none" else str(value)
+        is_map = isinstance(value, dict)
+        shown_value = "" if is_map else value if editor.kind != "none" else str(value)
         shown = {"value": shown_value, "title": holder.describe(prop)}
         is_open = holder.is_expanded(path)
         self.put(key, parent, prop.path[-1], edit, editor=editor, open=is_open, **shown)
@@ -118,6 +119,14 @@ class Rows(dict[str, RowEntry]):
                 tick = partial(self._set_check_box, holder, prop.label, name)
                 title, editor = name or "(no name)", protocol.Editor("bool")
                 self.put(f"{key}#{name}", key, title, tick, editor=editor, value=on)
+        elif is_map:
+            # A tree of unique names, which can be deeper than Python's recursion limit.
+            waiting = [(key, *item) for item in reversed(value.items())]
+            while waiting:
+                above, name, below = waiting.pop()
+                row = f"{key}#{name}"
+                self.put(row, above, name)
+                waiting += [(row, *item) for item in reversed(below.items())]
 
     @staticmethod
     def _set_check_box(holder: PropertyHolder, label: str, name: str, is_enabled: Any) -> None:

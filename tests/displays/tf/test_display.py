@@ -1,11 +1,13 @@
 """RViz's TF display (tf_display.cpp, frame_info.cpp)."""
 
+import sys
 from typing import Any
 
 import numpy as np
 import pytest
 
 from course_lib.displays.display import Display
+from course_lib.displays.panel.desk import display_rows
 from course_lib.displays.properties import Property
 from course_lib.errors import CourseError
 from course_lib.viewer.drawables import Solids, Text
@@ -204,3 +206,30 @@ def test_properties_of_new_frames_are_added_in_one_step(monkeypatch: pytest.Monk
         bench.transform("map", f"frame{number}")
     bench.update()
     assert calls == [51 * 6]
+
+
+def test_tree_has_a_row_for_each_frame_below_its_parent() -> None:
+    bench = Bench()
+    chain(bench)
+    bench.transform("map", "wall")
+    bench.transform("camera", "lens")
+    bench.update()
+    rows = [entry.row for key, entry in display_rows(bench.session).items() if "#Tree#" in key]
+    assert [(row.label, row.parent.rpartition("#")[2]) for row in rows] == [
+        ("map", "Tree"),
+        ("base", "map"),
+        ("camera", "base"),
+        ("lens", "camera"),
+        ("wall", "map"),
+    ]
+
+
+def test_tree_may_be_deeper_than_the_recursion_limit() -> None:
+    bench = Bench()
+    bench.session.add(TF, "TF", {})
+    depth = sys.getrecursionlimit() + 100
+    for number in range(depth):
+        bench.transform(f"link{number}", f"link{number + 1}")
+    bench.update()
+    rows = display_rows(bench.session)
+    assert sum("#Tree#" in key for key in rows) == depth + 1
