@@ -3,10 +3,12 @@
 from pathlib import Path
 
 import pytest
+from std_msgs.msg import String
 
 from tests.browser.bench import Bench
 from tests.displays.bench import marker
-from tests.displays.stage import publish
+from tests.displays.robot_model.robots import ARM, CYLINDER
+from tests.displays.stage import LATCHED, publish
 
 pytestmark = pytest.mark.browser
 
@@ -190,3 +192,24 @@ def test_view_with_a_closed_connection_is_recreated(bench: Bench) -> None:
     bench.host.open(anew)
     bench.host.show(anew)
     assert bench.page.locator("canvas").count() == 2
+
+
+@pytest.mark.slow
+def test_expand_property_overrides_rows_that_were_expanded_or_collapsed_before(bench: Bench) -> None:
+    bench.viewer.add("RobotModel", topic="/description")
+    publish(bench.graph, "/description", String(data=ARM.format(arm=CYLINDER)), LATCHED)
+    bench.viewer["RobotModel"]["Link Tree Style"] = "Tree of links and joints"
+    bench.viewer.look()
+    bench.open("RobotModel", "Link/Joint Tree")
+    bench.row("base").press("ArrowRight")
+    bench.row("base").press("ArrowLeft")
+    assert bench.row("j").count() == 0
+    bench.page.get_by_role("checkbox", name="Expand Tree").click()
+    bench.host.carry()
+    bench.row("tool").wait_for()
+    bench.page.get_by_role("checkbox", name="Expand Tree").click()
+    bench.host.carry()
+    bench.row("j").wait_for(state="detached")
+    bench.page.get_by_role("combobox", name="Link Tree Style").select_option("Tree of links")
+    bench.host.carry()
+    bench.row("Link Tree").wait_for()
