@@ -525,7 +525,7 @@ def _describe_damage(bag: Path, error: Exception) -> str:
 
     path = bag / METADATA
     if not path.is_file():
-        return f"it has no {METADATA}. If its program still runs, writer.close() completes it"
+        return f"the bag has no {METADATA}. If its program still runs, writer.close() completes it"
     text = str(error).partition("\n")[0].rstrip(".").partition("; please")[0]
     if isinstance(error, ReaderError) and re.search("supported$|^Some database files", text):
         return text
@@ -550,7 +550,11 @@ def _read_files(path: Path, reason: str) -> Recording:
     samples, damage = salvage(data_files(path))
     if not (reason or damage):
         return Recording(tuple(samples))
-    text = f"The bag {path} is damaged or was cut off: {damage or reason}"
+    # What is wrong with its files explains why rosbags cannot read a bag, except that the program that
+    # records it may still run.
+    is_unfinished = reason and not (path / METADATA).is_file()
+    cause = f"{damage}, and {reason}" if damage and is_unfinished else damage or reason
+    text = f"The bag {path} is damaged or was cut off: {cause}"
     again = "copy the bag again from where it was recorded, or record it again."
     if not samples:
         raise CourseError(f"{text}. No complete message is in it: {again}")

@@ -213,8 +213,10 @@ def link_poses(robot: Robot, positions: Mapping[str, float] | None = None) -> di
 
     Example:
         >>> from course_lib.robots import load_robot
-        >>> poses = link_poses(load_robot("ur10"), {"shoulder_lift_joint": -1.0, "elbow_joint":
-        1.5}) >>> poses["tool0"][:3, 3].round(2) array([0.78, 0.26, 0.27])
+        >>> positions = {"shoulder_lift_joint": -1.0, "elbow_joint": 1.5}
+        >>> poses = link_poses(load_robot("ur10"), positions)
+        >>> poses["tool0"][:3, 3].round(2)
+        array([0.78, 0.26, 0.27])
     """
     motions = motions_of(robot.tree)
     poses = motions.root_transforms(configuration(robot, positions or {}))

@@ -25,6 +25,6 @@ def test_missing_system_library_error_names_the_library_and_its_package(
 
 def test_missing_package_error_has_the_reason_and_the_install_options() -> None:
     with pytest.raises(
-        CourseError, match=r"Pinocchio's models.* no_such_package is missing .* WSL2 or conda"
+        CourseError, match=r"Pinocchio's models.* no_such_package is missing .* WSL2 or from conda"
     ):
         import_pinocchio("no_such_package")

@@ -215,7 +215,7 @@ def test_unreferenced_writer_completes_its_bag(tmp_path: Path) -> None:
 def test_reading_an_incomplete_bag_raises_an_error_with_the_call_that_completes_it(tmp_path: Path) -> None:
     writer = opened(tmp_path / "bag")
     writer.create_topic(topic("/a"))
-    with pytest.raises(CourseError, match=r"it has no metadata\.yaml\. If .* writer\.close\(\) completes it"):
+    with pytest.raises(CourseError, match=r"has no metadata\.yaml\. If .* writer\.close\(\) completes it"):
         bag_info(tmp_path / "bag")
     writer.close()
     assert "Topic: /a |" in bag_info(tmp_path / "bag")
