@@ -57,6 +57,13 @@ def run_with_limit(*cells: str, megabytes: float = 400) -> SubmissionRun:
 
 
 @linux
+def test_memory_of_a_process_does_not_include_the_modules_of_the_kit() -> None:
+    cells = ("import rclpy, numpy", "x = bytearray(300_000_000)", "y = bytearray(300_000_000)")
+    log = run_with_limit(*cells).log
+    assert log.errors == ["MemoryError (cell In[3], line 1: y = bytearray(300_000_000))"]
+
+
+@linux
 @pytest.mark.parametrize(
     "cell",
     [

@@ -373,11 +373,12 @@ KILLED_FROM = 4  # size of all files, as a multiple of their limit, from which a
 PAGE_FAULTS = 7  # index of the minor page faults in /proc/PID/stat, counted after the name
 
 
-def apply_limits(limits: Limits, *, counts_from_zero: bool) -> None:
+def apply_limits(limits: Limits, inherited_bytes: int, *, counts_from_zero: bool) -> None:
     """Limit the resources of this process and its children.
 
     Args:
         limits: The limits of course.toml.
+        inherited_bytes: The address space that this process has in common with its template [B].
         counts_from_zero: Whether the kernel counts only processes in the jail, not all of the
             user's.
     """
@@ -385,7 +386,7 @@ def apply_limits(limits: Limits, *, counts_from_zero: bool) -> None:
     soft_limits = {
         "RLIMIT_CORE": 0,
         "RLIMIT_CPU": limits.total_seconds + SPARE_SECONDS,
-        "RLIMIT_AS": limits.memory_megabytes * MEGABYTE,
+        "RLIMIT_AS": limits.memory_megabytes * MEGABYTE + inherited_bytes,
         "RLIMIT_FSIZE": limits.scratch_megabytes * MEGABYTE,
         "RLIMIT_NOFILE": OPEN_FILES,
         "RLIMIT_NPROC": running_threads + limits.processes,
@@ -396,6 +397,14 @@ def apply_limits(limits: Limits, *, counts_from_zero: bool) -> None:
             hard_limit = resource.getrlimit(kind)[1]
             value = round(value) if hard_limit == resource.RLIM_INFINITY else min(round(value), hard_limit)
             resource.setrlimit(kind, (value, value))
+
+
+def address_space() -> int:
+    """Return the size of this process's address space [B], or 0 if the system does not list it."""
+    try:
+        return int(Path("/proc/self/statm").read_bytes().split()[0]) * resource.getpagesize()
+    except OSError:
+        return 0
 
 
 def _threads_of(user: int) -> int:

@@ -41,7 +41,7 @@ def working_layers(place: JailEnvironment, off: Collection[str]) -> list[str]:
         "namespaces": lambda: _enter_namespaces(place, Limits()),
         "Landlock": lambda: _restrict_files(place, place.scratch),
         "seccomp": filters.filter_calls,
-        "limits": lambda: filters.apply_limits(Limits(), counts_from_zero=False),
+        "limits": lambda: filters.apply_limits(Limits(), 0, counts_from_zero=False),
     }
     # Namespaces alone do not hide the machine's files.
     if place.root == "host":
@@ -61,6 +61,9 @@ def enter_jail(place: JailEnvironment, layers: Collection[str], limits: Limits) 
         OSError: A layer that worked before fails.
     """
     folder = place.scratch
+    # The jail has no /proc. This process is a fork of the template, which may have imported large
+    # modules for other submissions.
+    inherited_bytes = filters.address_space()
     if "namespaces" in layers:
         _enter_namespaces(place, limits)
     else:
@@ -72,7 +75,7 @@ def enter_jail(place: JailEnvironment, layers: Collection[str], limits: Limits) 
     tempfile.tempdir = None
     if "limits" in layers:
         counts_from_zero = "namespaces" in layers or place.user != "same"
-        filters.apply_limits(limits, counts_from_zero=counts_from_zero)
+        filters.apply_limits(limits, inherited_bytes, counts_from_zero=counts_from_zero)
     if platform.system() == "Linux":
         # An additional protection if the system supports it.
         with suppress(OSError):
