@@ -706,22 +706,37 @@ def _list_hint(error: BaseException, text: str) -> str:
     if isinstance(value, Iterable) and not isinstance(value, Collection):
         return f"this is of type {type(value).__name__}, which is not a list: put it into list( )."
     item_type = "each value of type 'float'" if is_converted else text
-    are_plain = re.search(r"each value of type '(float|int|str|bool)'", item_type)
     items = list(value) if isinstance(value, Sequence | np.ndarray) else []
-    for index, item in enumerate(items):
-        if are_plain is not None and are_plain[1] == "int" and isinstance(item, int | np.integer):
-            limits = re.search(r"in \[(-?\d+), (\d+)\]", text)
+    return next(
+        (hint for index, item in enumerate(items) if (hint := _item_hint(index, item, item_type))), ""
+    )
+
+
+def _item_hint(index: int, item: Any, text: str) -> str:
+    """Return the hint for an item that does not belong into an array field, or "".
+
+    The text of the error contains the type of the items.
+    """
+    plain_type = re.search(r"each value of type '(float|int|str|bool)'", text)
+    if plain_type is None and isinstance(item, FunctionType | MethodType | BuiltinFunctionType):
+        return f"item {index} is the function {item.__name__}, which is not called: are its ( ) missing?"
+    if plain_type is None and item is None:
+        return f"item {index} is None: does the function that created it end with a return?"
+    if plain_type is not None and plain_type[1] == "int":
+        limits = re.search(r"in \[(-?\d+), (\d+)\]", text)
+        if isinstance(item, int | np.integer):
             if limits and not int(limits[1]) <= item <= int(limits[2]):
                 return f"item {index} of the list is {item}, outside of {limits[1]} to {limits[2]}."
-            continue
-        if are_plain is not None and are_plain[1] == "int" and isinstance(item, float | np.floating):
+            return ""
+        if isinstance(item, float | np.floating):
             return f"item {index} of the list is {float(item)}, with a point: write int(…) or round(…)."
-        if item is None or (isinstance(item, str) and "'str'" not in item_type):
-            return f"item {index} of the list is {item!r}, not a number."
-        # A point that is three numbers is not a list in the list.
-        is_nested = isinstance(item, list | tuple | np.ndarray)
-        if is_nested and (are_plain or not all(isinstance(one, int | float) for one in item)):
-            return f"item {index} is a list in the list: does it have [ ] of its own, or is a * missing?"
+    if item is None or (isinstance(item, str) and "'str'" not in text):
+        noun = "a message" if plain_type is None else "a text" if plain_type[1] == "str" else "a number"
+        return f"item {index} of the list is {item!r}, not {noun}."
+    # A point that is three numbers is not a list in the list.
+    is_nested = isinstance(item, list | tuple | np.ndarray)
+    if is_nested and (plain_type or not all(isinstance(one, int | float) for one in item)):
+        return f"item {index} is a list in the list: does it have [ ] of its own, or is a * missing?"
     return ""
 
 

@@ -195,6 +195,9 @@ MISTAKES = {
             "PoseStamped().header.frame_id = value",
             "Marker().points = Point()",
             "Marker().color.a = 0,8",
+            "from visualization_msgs.msg import MarkerArray\nMarkerArray().markers = [None]",
+            "from visualization_msgs.msg import MarkerArray\ndef red():\n    return Marker()\n"
+            "MarkerArray().markers = [red]",
             "Marker().scale.x = '1.0'",
             "import numpy as np\nMarker().scale.x = np.float32(0.5)",
             "import numpy as np\nMarker().scale.x = np.array([1.0])",

@@ -278,6 +278,17 @@ MESSAGES = [
         "item 0 of the list is '1.0', not a number.",
     ),
     (
+        "from visualization_msgs.msg import MarkerArray\nMarkerArray().markers = [None]",
+        "AssertionError: The 'markers' field must be a set or sequence and each value of type 'Marker'",
+        "item 0 is None: does the function that created it end with a return?",
+    ),
+    (
+        "from visualization_msgs.msg import MarkerArray\ndef red():\n    return Marker()\n"
+        "MarkerArray().markers = [red]",
+        "AssertionError: The 'markers' field must be a set or sequence and each value of type 'Marker'",
+        "item 0 is the function red, which is not called: are its ( ) missing?",
+    ),
+    (
         "Marker().pose.position.z = 1 // 2",
         "AssertionError: The 'z' field must be of type 'float'",
         "// rounds down to a whole number: / divides with the fraction.",
