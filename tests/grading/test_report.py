@@ -70,7 +70,8 @@ def test_exception_text_does_not_reveal_hidden_inputs_in_the_report(
     spy = right.replace("return length / 2", "raise ValueError(f'got {length}')")
     page = report(course, tmp_path, write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", spy))
     assert "ValueError: got 4.0" in page
-    assert "-7" not in page.split("<script>")[0]
+    # The name of the viewer's file has a digest, which may contain the digits.
+    assert "-7" not in re.sub(r"viewer-\w+\.js", "", page.split("<script>")[0])
     assert "in a hidden scenario the code raises an exception" in page
 
 

@@ -44,4 +44,4 @@ def test_robots_move_and_are_drawn_without_pinocchio_and_only_its_models_are_una
     assert ran.returncode == 0, ran.stderr
     refused = [line for line in ran.stdout.splitlines() if line.startswith("Pinocchio's models")]
     assert len(refused) == 8
-    assert all("missing on this machine" in line and "WSL2 or conda-forge" in line for line in refused)
+    assert all("missing on this machine" in line and "WSL2 or from conda-forge" in line for line in refused)
