@@ -81,7 +81,7 @@ def announce(subject: str, url: str, *, browser: bool) -> None:
         from IPython.display import display
 
         link = f'{escape(subject)} is <a href="{escape(url)}" target="_blank">in a tab of its own</a>.'
-        display({"text/html": link, "text/plain": f"{subject} is at {url}"}, raw=True)  # type: ignore[no-untyped-call]
+        display({"text/html": link, "text/plain": f"{subject} is at {url}"}, raw=True)
     else:
         after = " after the name of your hub" if url.startswith("/") else ""
         sys.stdout.write(f"{subject} is at {url}{after}\n")

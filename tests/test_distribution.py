@@ -14,7 +14,7 @@ from importlib.metadata import packages_distributions, requires
 from pathlib import Path
 
 import pytest
-import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+import yaml
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 

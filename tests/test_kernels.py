@@ -17,6 +17,6 @@ SHOW = (
 @pytest.mark.skipif(os.name != "posix", reason="sockets in files")
 def test_test_kernel_uses_ipc_instead_of_a_port(tmp_path: Path) -> None:
     path = write_notebook(tmp_path / "a.ipynb", [SHOW])
-    notebook = nbformat.reads(path.read_text(), 4)  # type: ignore[no-untyped-call]  # its own
+    notebook = nbformat.reads(path.read_text(), 4)
     NotebookClient(notebook).execute()
     assert "ipc" in json.dumps(notebook.cells[0].outputs)

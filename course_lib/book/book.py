@@ -272,7 +272,7 @@ def run_lesson(lesson: Path, scenes: Path, work: Path) -> Any:
     plain = read_notebook(lesson)
     begin = f"{KERNEL}.begin({lesson.stem!r}, {str(scenes)!r}, '../{SCENES}')"
     plain["cells"] = [_cell("book-begin", begin), *plain["cells"], _cell("book-end", f"{KERNEL}.end()")]
-    notebook: Any = nbformat.reads(notebook_text(plain), as_version=4)  # type: ignore[no-untyped-call]
+    notebook: Any = nbformat.reads(notebook_text(plain), as_version=4)
     place = ["before its first cell"]
 
     def note(cell: Any, cell_index: int) -> None:

@@ -37,7 +37,7 @@ def show(build_widget: Callable[[], Any], text: str) -> None:
     from IPython.display import display
 
     bundle = build_widget()._repr_mimebundle_()
-    display({**bundle, "text/plain": text}, raw=True)  # type: ignore[no-untyped-call]  # IPython has no types here
+    display({**bundle, "text/plain": text}, raw=True)
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def show_form(build: Callable[[], Form], text: str) -> None:
         html, plain = form.saved()
         return {**form.widget._repr_mimebundle_(), "text/html": html, "text/plain": plain}
 
-    handle: Any = display(bundle(), raw=True, display_id=True)  # type: ignore[no-untyped-call]
+    handle: Any = display(bundle(), raw=True, display_id=True)
     form.on_answer.append(lambda: handle.update(bundle(), raw=True))
 
 

@@ -60,7 +60,7 @@ def parse_yaml(text: str) -> ParsedYaml:
     Raises:
         CourseError: The text is not YAML; the message begins with line and column.
     """
-    import yaml  # type: ignore[import-untyped]
+    import yaml
 
     # Some builds of PyYAML lack libyaml.
     parsed, loader = ParsedYaml(), getattr(yaml, "CBaseLoader", yaml.BaseLoader)

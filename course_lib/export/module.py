@@ -76,7 +76,7 @@ def without_magics(source: str) -> str:
     """Convert a cell to Python: its magics become calls, and its mark for export is removed."""
     from IPython.core.inputtransformer2 import TransformerManager
 
-    manager = TransformerManager()  # type: ignore[no-untyped-call]
+    manager = TransformerManager()
     return _MARK.sub("", manager.transform_cell(source), count=1)
 
 

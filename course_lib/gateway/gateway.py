@@ -477,7 +477,7 @@ class Gateway:
         if self._bridge is not None:
             self._bridge.close()
         for session in (self.robot_side, self.class_side):
-            session.close()  # type: ignore[no-untyped-call]  # untyped there
+            session.close()
         self._handlers.wait()
         self._folder.cleanup()
 

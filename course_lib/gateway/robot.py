@@ -92,7 +92,7 @@ def robot(
         return run([program], seconds=None, seed=0, bag=None, args=(), real_time=False, robot=address)
     finally:
         if router is not None:
-            router.close()  # type: ignore[no-untyped-call]  # untyped there
+            router.close()
 
 
 def _run_on_real_ros(

@@ -139,7 +139,7 @@ def _client(address: str) -> Any:
         # Check the address first: a Client with an invalid one prints a traceback when it is
         # destroyed.
         get_address_host_port(address)
-        return Client(address, timeout=CONNECT_SECONDS, set_as_default=False)  # type: ignore[no-untyped-call]
+        return Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
     except (OSError, ValueError) as error:
         raise CourseError(
             f"--dask {address}: no scheduler answers ({error}). Start one with `dask scheduler` "

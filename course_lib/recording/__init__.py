@@ -674,7 +674,7 @@ def bag_info(folder: str | Path, *, digest: bool = True) -> str:
 
 def bag_metadata(folder: Path) -> dict[str, Any]:
     """Read the metadata, which a recorder writes when it stops; empty if it is missing or malformed."""
-    import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+    import yaml
 
     try:
         text = read_text(folder / METADATA)

@@ -72,7 +72,7 @@ def _display_viewer(viewer: "Viewer") -> None:
     from IPython.display import display
 
     # IPython does not annotate this function.
-    handle = display(viewer, display_id=True)  # type: ignore[no-untyped-call]
+    handle = display(viewer, display_id=True)
     # Without a page the first picture would show nothing, so it is updated later.
     if handle is not None and pace.mode() == "fast":
         # Sleeps in robot time.
@@ -91,7 +91,7 @@ def _teleop(module: str, name: str) -> None:
     if current_graph().notebook and pace.mode() != "fast":
         from IPython.display import display
 
-        display(key_buttons(node.press, node.KEYS))  # type: ignore[no-untyped-call]  # untyped there
+        display(key_buttons(node.press, node.KEYS))
     else:
         node.get_logger().info("There is no keyboard here; a cell in JupyterLab has buttons.")
     spin(node)
@@ -132,7 +132,7 @@ def _joint_state_publisher(*, sliders: bool = False) -> None:
     if sliders and current_graph().notebook:
         from IPython.display import display
 
-        display(joint_sliders(node))  # type: ignore[no-untyped-call]  # untyped there
+        display(joint_sliders(node))
     elif sliders:
         node.get_logger().info("Sliders need a notebook cell. The joints keep their initial positions.")
     spin(node)

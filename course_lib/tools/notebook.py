@@ -289,7 +289,7 @@ def _script(shell: "InteractiveShell", program: str, line: str, cell: str) -> An
         sys.stderr.write(f"A shell can't see this notebook's nodes. In a cell write %{match[1].strip()}\n")
     # IPython's own %%bash does the same. It is looked up here, not earlier, because IPython then
     # imports its script magics, which would take most of the time of `%load_ext course_lib`.
-    script = shell.find_cell_magic("script")  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    script = shell.find_cell_magic("script")
     return script(f"{program} {line}", cell)
 
 
@@ -311,7 +311,7 @@ def _magic_for(command: str) -> Callable[[], None] | None:
 
 def shorten_tracebacks(shell: "InteractiveShell") -> None:
     """Hide the kit's frames in tracebacks, and print CourseError and interrupts as one line."""
-    shell.set_custom_exc((Exception, KeyboardInterrupt), _show_error)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    shell.set_custom_exc((Exception, KeyboardInterrupt), _show_error)
     format_syntax_error = shell.SyntaxTB.structured_traceback
 
     # IPython passes some syntax errors to no handler, like a wrong indentation.

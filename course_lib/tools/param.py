@@ -84,7 +84,7 @@ def _describe(source: Source, arguments: Namespace, write: Write) -> None:
 
 def _dump(source: Source, arguments: Namespace, write: Write) -> None:
     """Print a node's parameters as YAML that `load` and `--params-file` can read."""
-    import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+    import yaml
     from rclpy.parameter import parameter_value_to_python
 
     node_name, parameters = find_node(source, arguments.node_name), dict[str, Any]()

@@ -157,7 +157,7 @@ def _cells_to_run(shell: "InteractiveShell", cells: list[_Cell]) -> list[_Cell]:
 def _is_interactive(shell: "InteractiveShell", source: str) -> bool:
     """Return whether a cell only calls functions that ask or check, or waits for a click."""
     try:
-        tree = ast.parse(shell.transform_cell(source))  # type: ignore[no-untyped-call]  # untyped there
+        tree = ast.parse(shell.transform_cell(source))
     except SyntaxError:
         # A cell that does not compile is skipped, because it would not run either.
         return True
@@ -205,6 +205,6 @@ def _run(shell: "InteractiveShell", source: str) -> str:
     # A kernel sends the traceback as a separate message, which cannot be captured as output.
     silent = patch.object(shell, "_showtraceback", lambda *_: None)
     with receiving, capture_output(), silent:
-        result = shell.run_cell(source, store_history=False, silent=True)  # type: ignore[no-untyped-call]  # as above
+        result = shell.run_cell(source, store_history=False, silent=True)
     error = result.error_before_exec or result.error_in_exec
     return "" if error is None else f"{type(error).__name__}: {error}".splitlines()[0]

@@ -353,7 +353,7 @@ _LABELS = {
 
 def _view_frames(source: Source, arguments: Namespace, write: Write) -> None:
     """Receive transforms for a fixed time, then draw the frames below the cell or into .gv and .pdf files."""
-    import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+    import yaml
 
     stream, now_ns = TransformStream(source), current_graph().now_ns
     write(log_line("view_frames", now_ns, f"Listening to tf data for {arguments.wait_time} seconds..."))
@@ -368,7 +368,7 @@ def _view_frames(source: Source, arguments: Namespace, write: Write) -> None:
 
         tree = "; ".join(f"{frame} in {about['parent']}" for frame, about in frames.items())
         encoded = b64encode(picture(frames, now_ns, "svg")).decode()
-        display(HTML(_IMAGE.format(escape(f"The tree of frames: {tree}"), encoded)))  # type: ignore[no-untyped-call]  # IPython does not annotate it
+        display(HTML(_IMAGE.format(escape(f"The tree of frames: {tree}"), encoded)))
         return
     name = arguments.output or f"frames_{time.strftime('%Y-%m-%d_%H.%M.%S')}"
     write(log_line("view_frames", now_ns, f"Exporting graph in {name}.pdf file..."))

@@ -226,7 +226,7 @@ def fill(message: RosMessage, text: str) -> list[SetTime]:
         CourseError: The text is not YAML or not a dictionary, or a value is invalid. The message is
             ROS's.
     """
-    import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+    import yaml
 
     try:
         values = yaml.safe_load(text)

@@ -60,7 +60,7 @@ def battery_bar(charge: float, height: float) -> Any:
 
 def displays_in(text: str) -> Any:
     """Groups are listed, not gone into."""
-    import yaml  # type: ignore[import-untyped]  # ships no types
+    import yaml
 
     displays = yaml.safe_load(text)["Visualization Manager"]["Displays"]
     return [(display["Name"], display["Class"].split("/")[-1]) for display in displays]

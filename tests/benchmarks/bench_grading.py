@@ -240,7 +240,7 @@ def main() -> None:
         print(f"1 and 2 jobs, and {options.kills} kills: identical evidence and marks")
         from distributed import LocalCluster
 
-        with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:  # type: ignore[no-untyped-call]
+        with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
             out = class_size(top, course, options.count, 2, dask=cluster.scheduler_address)
         assert fingerprint(out) == two
         print("2 Dask workers: identical evidence and marks")

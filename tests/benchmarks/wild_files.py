@@ -250,7 +250,7 @@ def kept(file: Path, folder: Path) -> Judged:
 
 def _places(file: Path) -> set[str]:
     """Return the paths of all values of a YAML file; RViz 1 wrote some mappings as their Value."""
-    import yaml  # type: ignore[import-untyped]  # it ships no types
+    import yaml
 
     def paths(data: Any, prefix: str) -> Iterator[str]:
         pairs = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()

@@ -189,7 +189,7 @@ def test_static_page_shows_image_and_answers(reopened: Notebook) -> None:
 
     path = reopened.folder / reopened.name
     assert path.stat().st_size < 1_000_000
-    exporter = HTMLExporter(template_name="lab")  # type: ignore[no-untyped-call]  # untyped there
+    exporter = HTMLExporter(template_name="lab")
     html, _ = exporter.from_filename(str(path))
     browser = reopened.page.context.browser
     assert browser is not None

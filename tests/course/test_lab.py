@@ -213,10 +213,10 @@ def test_kernels_of_the_server_are_encrypted_and_find_the_commands_of_the_kit(
 @pytest.mark.parametrize("template", ["lab", "classic", "basic", "reveal"])
 def test_pictures_have_their_alternative_texts_in_pages_of_nbconvert(template: str) -> None:
     data = {"image/png": "iVBO\nRw==", "text/plain": "A view"}
-    view = new_output("display_data", data, metadata={"image/png": {"alt": "<red> cube"}})  # type: ignore[no-untyped-call]
-    figure = new_output("display_data", data)  # type: ignore[no-untyped-call]
-    cell = new_code_cell("viewer", outputs=[view, figure], metadata={"alt": "a curve"})  # type: ignore[no-untyped-call]
-    notebook = new_notebook(cells=[cell])  # type: ignore[no-untyped-call]
+    view = new_output("display_data", data, metadata={"image/png": {"alt": "<red> cube"}})
+    figure = new_output("display_data", data)
+    cell = new_code_cell("viewer", outputs=[view, figure], metadata={"alt": "a curve"})
+    notebook = new_notebook(cells=[cell])
     config = JSONFileConfigLoader("jupyter_config.json", str(lab_module.JUPYTER_SETTINGS)).load_config()
     exporters: dict[str, Any] = {"reveal": SlidesExporter}
     exporter = exporters.get(template, HTMLExporter)(config=config, template_name=template)

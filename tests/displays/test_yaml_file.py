@@ -1,5 +1,5 @@
 import pytest
-import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+import yaml
 
 from course_lib.displays.layout import parse_yaml, yaml_text
 from course_lib.errors import CourseError

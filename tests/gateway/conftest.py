@@ -50,7 +50,7 @@ def opened() -> Iterator[Opened]:
 
     yield open_one
     for session in sessions:
-        session.close()  # type: ignore[no-untyped-call]  # untyped there
+        session.close()
 
 
 class Classroom:

@@ -215,7 +215,7 @@ def test_gateway_reconnects_to_a_restarted_robot_router(
             return len(received) > 0
 
         wait_for(scanned, "a scan arrives")
-        robot.close()  # type: ignore[no-untyped-call]  # untyped there
+        robot.close()
         wait_for(lambda n=times: log.read_text().count("is lost") == n, "its loss")  # type: ignore[misc]
 
 

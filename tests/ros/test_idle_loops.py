@@ -150,7 +150,7 @@ def test_cell_polls_a_variable_of_a_thread_or_live_node(
 ) -> None:
     begun_ns = graph.now_ns
     cell = NODE + driven + f"node.got_it = False\nwhile not node.got_it:\n    {loop}\nprint('got it')"
-    assert shell.run_cell(cell).success  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    assert shell.run_cell(cell).success
     assert graph.now_ns > begun_ns
     assert capsys.readouterr().out.endswith("got it\n")
 
@@ -160,7 +160,7 @@ def test_cell_can_sleep_after_shutdown_despite_a_remaining_thread(
     shell: InteractiveShell, graph: Graph, rests: str
 ) -> None:
     for cell in (NODE + SPIN + "time.sleep(0.2)\nrclpy.shutdown()", rests):
-        assert shell.run_cell(cell).success, cell  # type: ignore[no-untyped-call]  # not annotated
+        assert shell.run_cell(cell).success, cell
 
 
 def test_loops_other_than_busy_waits_are_unchanged() -> None:

@@ -187,9 +187,9 @@ def test_syntax_error_has_the_hint_for_its_cause(code: str, expected: str) -> No
     ["def f():\n    a = 1\n   b = 2", "return 5", "a = \u201cmap\u201d", "if (a == 1) {\n    b = 1\n}"],
 )
 def test_cell_with_a_syntax_error_shows_the_hint(code: str, capsys: pytest.CaptureFixture[str]) -> None:
-    shell = InteractiveShell()  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    shell = InteractiveShell()
     shorten_tracebacks(shell)
-    shell.run_cell(code)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    shell.run_cell(code)
     assert capsys.readouterr().out.count("hint: ") == 1
 
 

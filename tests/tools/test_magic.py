@@ -38,7 +38,7 @@ def test_extension_is_loaded_without_the_script_magics_of_ipython() -> None:
 
 def run(shell: InteractiveShell, line: str) -> bool:
     """Run a cell. Return whether it succeeded."""
-    return bool(shell.run_cell(line).success)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    return bool(shell.run_cell(line).success)
 
 
 def test_magic_lists_the_topics_of_the_notebook(

@@ -43,7 +43,7 @@ def _watch_for_early_cells() -> None:
             shell.showtraceback((kind, error, trace), tb_offset=tb_offset)
 
     if shell is not None:
-        shell.set_custom_exc((NameError, UsageError, ModuleNotFoundError), show)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+        shell.set_custom_exc((NameError, UsageError, ModuleNotFoundError), show)
 
 
 # A plain Python in a terminal of JupyterLab runs this file, too.

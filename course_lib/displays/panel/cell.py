@@ -77,7 +77,7 @@ class ViewerCell:
 
         side_panel.is_wanted = True
         side_panel.take(self._widget(viewer))
-        display(viewer)  # type: ignore[no-untyped-call]
+        display(viewer)
 
     def resting_view(
         self,

@@ -172,5 +172,5 @@ def show_ghost(task: Task, evidence: Evidence) -> None:
             scene.set_visible(path, change["new"])
 
     tick.observe(toggle, "value")
-    display(_Controls([tick, HTML(LEGEND, layout=Layout(margin="0 0 0 16px"))]))  # type: ignore[no-untyped-call]
-    display(SceneWidget(scene, HEIGHT, LEGEND, words=describe_scene(scene, LEGEND)))  # type: ignore[no-untyped-call]
+    display(_Controls([tick, HTML(LEGEND, layout=Layout(margin="0 0 0 16px"))]))
+    display(SceneWidget(scene, HEIGHT, LEGEND, words=describe_scene(scene, LEGEND)))

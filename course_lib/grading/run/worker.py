@@ -148,7 +148,7 @@ class Worker:
     def _run_cell(self, index: int, cell: str) -> list[str]:
         self._shell.execution_count = index + 1
         try:
-            result = self._shell.run_cell(cell)  # type: ignore[no-untyped-call]
+            result = self._shell.run_cell(cell)
             error = result.error_before_exec or result.error_in_exec
             if isinstance(result.error_before_exec, MemoryError | RecursionError) and _has_memory():
                 # Python raises these errors for a cell that is nested too deeply; no limit was
@@ -269,7 +269,7 @@ def warm_up() -> "InteractiveShell":
     if formatter is not None:
         formatter.active_types = ["text/plain"]
         formatter.mimebundle_formatter.enabled = False
-    shell.run_cell("None")  # type: ignore[no-untyped-call]
+    shell.run_cell("None")
     for _ in range(WARM_RUNS):
         perform(Instructions("node", 0), _make_usual_node, Graph(end_ns=START_NS + WARM_NS), Outcome())
     return shell

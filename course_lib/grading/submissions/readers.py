@@ -15,7 +15,7 @@ from itertools import takewhile
 from typing import TYPE_CHECKING, Any, Literal
 from zoneinfo import ZoneInfo
 
-import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+import yaml
 
 from course_lib.course.exercise import EXTRA_CHARACTERS, MAX_LENGTH, normalise
 from course_lib.errors import CourseError

@@ -90,7 +90,7 @@ class PrintOptions:
 
 def to_yaml(message: RosMessage, style: PrintOptions) -> str:
     """Convert a message to YAML, which ends with a newline."""
-    import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+    import yaml
 
     text: str = yaml.dump(
         to_dict(message, style),

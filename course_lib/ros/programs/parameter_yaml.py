@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 # PyYAML has no type information.
-import yaml  # type: ignore[import-untyped]
+import yaml
 
 from course_lib import third_party
 

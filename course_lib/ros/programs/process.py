@@ -211,7 +211,7 @@ class NotebookProgram(Process):
         sys.path.insert(1, self._folder)
         shell = make_shell()
         for cell in self._sources:
-            if not shell.run_cell(cell).success:  # type: ignore[no-untyped-call]  # IPython annotates little
+            if not shell.run_cell(cell).success:
                 self.exit_code = 1
                 return
 
@@ -315,7 +315,7 @@ def make_shell() -> "InteractiveShell":
     class TextFormatter(DisplayFormatter):
         def format(self, obj: Any, include: Any = None, exclude: Any = None) -> Any:
             """Return only the text of an object, because pictures take long and are not shown."""
-            return super().format(obj, {"text/plain"}, exclude)  # type: ignore[no-untyped-call]
+            return super().format(obj, {"text/plain"}, exclude)  # type: ignore[no-untyped-call]  # as IPython
 
     class Shell(InteractiveShell):
         displayhook_class = Quiet

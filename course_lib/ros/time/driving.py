@@ -214,7 +214,7 @@ class LiveRun:
         # day.
         saved_text = f"{self.name} ran here. Run this cell to start it again."
         bundle = {**self._panel._repr_mimebundle_(), "text/plain": saved_text}
-        display(bundle, raw=True)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+        display(bundle, raw=True)
 
     def show_state(self, note: str = "") -> None:
         """Update the displayed state."""

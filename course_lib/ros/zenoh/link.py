@@ -545,7 +545,7 @@ class ZenohLink(Link):
         """Close the session. Further calls have no effect."""
         if self.is_open:
             # zenoh does not annotate this method.
-            self._session.close()  # type: ignore[no-untyped-call]
+            self._session.close()
         self.handlers.wait()
 
     def watch(self, on_entity: OnEntity, report: Report) -> None:

@@ -94,13 +94,13 @@ def _display_as_picture(view: RqtView) -> None:
     from IPython.display import HTML, display
 
     before = view.static()
-    handle = display(HTML(before), display_id=True)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    handle = display(HTML(before), display_id=True)
     shell: Any = get_ipython()
 
     def end(*_: object) -> None:
         shell.events.unregister("post_run_cell", end)
         if (now := view.static()) != before:
-            handle.update(HTML(now))  # type: ignore[no-untyped-call]
+            handle.update(HTML(now))
         view.stop()
 
     if shell is None:

@@ -285,7 +285,7 @@ class RqtView:
         data = self.widget()._repr_mimebundle_()
         text = f"A view of rqt was here: {self.title}. Run this cell to open it again."
         data |= {"text/html": self._page(self.screen.value), "text/plain": text}
-        display(data, raw=True)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+        display(data, raw=True)
 
     def static(self) -> str:
         """Return the view as HTML for pages without widgets."""

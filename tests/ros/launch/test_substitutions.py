@@ -3,7 +3,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
-import yaml  # type: ignore[import-untyped]  # it ships no types
+import yaml
 from launch import Action, LaunchContext, Substitution
 from launch.actions import (
     AppendEnvironmentVariable,

@@ -127,7 +127,7 @@ def test_ros2_run_output_can_be_redirected_into_a_file(arm: Path, capsys: pytest
     register(shell)
     line = f"import rclpy\nrclpy.init()\n%ros2 run xacro xacro {arm} tip:=printed > made.urdf"
     with use_graph(Graph(notebook=True)):
-        assert shell.run_cell(line).success  # type: ignore[no-untyped-call]  # IPython does not annotate it
+        assert shell.run_cell(line).success
     assert '<link name="printed">' in Path("made.urdf").read_text()
 
 

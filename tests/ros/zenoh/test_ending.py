@@ -42,7 +42,7 @@ def test_end_of_a_session_waits_for_a_running_handler(router: str) -> None:
             return bool(done)
 
         wait_for(begun)
-        session.close()  # type: ignore[no-untyped-call]  # zenoh does not annotate it
+        session.close()
         handlers.wait()
     assert done.count("begun") == done.count("ended")
     del kept

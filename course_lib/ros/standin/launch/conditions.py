@@ -1,7 +1,7 @@
 """Conditions of actions."""
 
 # PyYAML has no type information.
-import yaml  # type: ignore[import-untyped]
+import yaml
 
 from launch.entities import Condition, LaunchContext, SomeSubstitutionsType, SubstitutionFailure, text_of
 

@@ -7,7 +7,7 @@ from tempfile import NamedTemporaryFile
 from typing import Any
 
 # PyYAML has no type information.
-import yaml  # type: ignore[import-untyped]
+import yaml
 from launch.conditions import as_bool
 from launch.entities import LaunchContext, SomeSubstitutionsType, Substitution, text_of
 from launch.frontend import parse_substitution

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 # PyYAML has no type information.
-import yaml  # type: ignore[import-untyped]
+import yaml
 from launch.entities import Condition, LaunchContext, SomeSubstitutionsType, Substitution, text_of
 from launch.substitutions import LaunchConfiguration
 

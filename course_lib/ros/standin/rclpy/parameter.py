@@ -118,7 +118,7 @@ def get_parameter_value(string_value: str) -> ParameterValue:
     rcl, which parses values on the command line: `1e3` is a string here.
     """
     # Imported late, because only this function needs YAML.
-    import yaml  # type: ignore[import-untyped]
+    import yaml
 
     try:
         value = yaml.safe_load(string_value)

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 from xml.parsers import expat
 
-import yaml  # type: ignore[import-untyped]
+import yaml
 
 from course_lib.errors import did_you_mean
 from course_lib.third_party import read_bytes
