@@ -131,6 +131,9 @@ def test_import_of_a_file_in_another_folder_has_a_hint(
     if file:
         (folder.parent / file).write_text("")
     monkeypatch.chdir(folder)
+    # Another test of this process may have imported the module.
+    monkeypatch.delitem(sys.modules, module, raising=False)
+    monkeypatch.setattr(sys, "path", [one for one in sys.path if not Path(one, f"{module}.py").exists()])
     with pytest.raises(ModuleNotFoundError) as raised:
         exec(f"import {module}", {})
     assert hint(raised.value) == expected
