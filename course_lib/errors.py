@@ -22,7 +22,7 @@ class CourseError(Exception):
     """
 
     def __init__(self, *arguments: object) -> None:
-        super().__init__(*(shorten_words(one) if isinstance(one, str) else one for one in arguments))
+        super().__init__(*(shorten_words(text) if isinstance(text, str) else text for text in arguments))
 
     def _render_traceback_(self) -> list[str]:
         """Return the lines that IPython prints instead of a traceback, with or without the extension."""

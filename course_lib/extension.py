@@ -33,7 +33,7 @@ def load(shell: "InteractiveShell") -> None:
     current_graph().notebook = True
     gc.set_threshold(*_GARBAGE)
     _prepare_jupyters_loop()
-    if not any(isinstance(one, BusyWaitTransformer) for one in shell.ast_transformers):
+    if not any(isinstance(transformer, BusyWaitTransformer) for transformer in shell.ast_transformers):
         shell.ast_transformers.append(BusyWaitTransformer())
     cell.drive = drive_in_cell
     register(shell)

@@ -275,7 +275,7 @@ def group_edits(
                 break
         else:
             rounds.append([edit])
-    return [(one, make_rehearsal(one, cells, week)) for one in rounds]
+    return [(edits, make_rehearsal(edits, cells, week)) for edits in rounds]
 
 
 def make_rehearsal(edits: Sequence[Edit], cells: Sequence[str], week: str) -> Rehearsal:
@@ -460,7 +460,7 @@ class Code:
     @cached_property
     def statements(self) -> dict[Key, _Statement]:
         """All top-level statements of the cells."""
-        return {(c, n): one for c, cell in enumerate(self.cells) for n, one in enumerate(_statements(cell))}
+        return {(c, n): part for c, cell in enumerate(self.cells) for n, part in enumerate(_statements(cell))}
 
     def required_statements(self, task: Task) -> frozenset[Key]:
         """Return the statements that a task's object depends on."""
@@ -470,7 +470,7 @@ class Code:
             pending_names |= _names(check_argument) if check_argument is not None else set()
         while pending_names:
             visited_names |= pending_names
-            new = {key for key, one in self.statements.items() if one.provided & pending_names} - keys
+            new = {key for key, s in self.statements.items() if s.provided & pending_names} - keys
             keys |= new
             pending_names = {name for key in new for name in self.statements[key].names} - visited_names
         return frozenset(keys)
@@ -481,14 +481,14 @@ class Code:
 
     def undefined_names(self, among: Iterable[Key]) -> set[str]:
         """Return the names that these statements refer to and that no cell binds."""
-        defined_names = ALWAYS_DEFINED.union(*(one.provided for one in self.statements.values()))
+        defined_names = ALWAYS_DEFINED.union(*(s.provided for s in self.statements.values()))
         return {name for key in among for name in self.statements.get(key, NOTHING).names} - defined_names
 
     def undefined_attributes(self, among: Iterable[Key], attributes: Iterable[str]) -> set[str]:
         """Return the members of `attributes` that these statements read and never assign."""
         statements = [self.statements.get(key, NOTHING) for key in among]
         read_attributes = {name for statement in statements for name in statement.read_attributes}
-        return read_attributes.intersection(attributes).difference(*(one.assigned for one in statements))
+        return read_attributes.intersection(attributes).difference(*(s.assigned for s in statements))
 
 
 NOTHING = _Statement(frozenset(), frozenset(), frozenset(), frozenset())
@@ -506,7 +506,7 @@ def _tree(source: str) -> ast.Module:
     for node in ast.walk(tree):
         for name, body in ast.iter_fields(node):
             if name in ("body", "orelse", "finalbody") and isinstance(body, list):
-                ends = [n for n, one in enumerate(body) if isinstance(one, ENDS)]
+                ends = [n for n, statement in enumerate(body) if isinstance(statement, ENDS)]
                 del body[ends[0] + 1 if ends else len(body) :]
     return tree
 
@@ -518,13 +518,13 @@ def _statements(source: str) -> tuple[_Statement, ...]:
 
 def _statement(node: ast.stmt) -> _Statement:
     code = ast.unparse(node)
-    attributes = [one for one in ast.walk(node) if isinstance(one, ast.Attribute)]
-    definitions = {one.name for one in ast.walk(node) if isinstance(one, ast.FunctionDef | ast.ClassDef)}
+    attributes = [part for part in ast.walk(node) if isinstance(part, ast.Attribute)]
+    definitions = {part.name for part in ast.walk(node) if isinstance(part, ast.FunctionDef | ast.ClassDef)}
     return _Statement(
         _cell(code).bindings,
         _global_names(code),
-        frozenset(one.attr for one in attributes if isinstance(one.ctx, ast.Load)),
-        frozenset({one.attr for one in attributes if not isinstance(one.ctx, ast.Load)} | definitions),
+        frozenset(part.attr for part in attributes if isinstance(part.ctx, ast.Load)),
+        frozenset({part.attr for part in attributes if not isinstance(part.ctx, ast.Load)} | definitions),
     )
 
 
@@ -592,10 +592,10 @@ def rehearsal_without(
 ) -> Rehearsal:
     """Return the rehearsal of the answer with all deletions of a group."""
     remaining_code = code
-    for one in group:
-        remaining_code = remaining_code.with_cell(one.cell, one.code)
-    tasks = tuple(task for one in group for task in one.tasks)
-    return Rehearsal(week, ", ".join(one.name for one in group), remaining_code.cells, tasks, hidden)
+    for deletion in group:
+        remaining_code = remaining_code.with_cell(deletion.cell, deletion.code)
+    tasks = tuple(task for deletion in group for task in deletion.tasks)
+    return Rehearsal(week, ", ".join(row.name for row in group), remaining_code.cells, tasks, hidden)
 
 
 def crash_message(deletion: Deletion, result: TaskResult, tracebacks: Collection[str] = ()) -> str:
@@ -634,7 +634,7 @@ def find_false_passes(
     passing = []
     for group, result in zip(groups, public, strict=True):
         passed_tasks = {task.task for task in result.results if passes_public_checks(task)}
-        passing += [one for one in group if not passed_tasks.isdisjoint(one.tasks)]
+        passing += [deletion for deletion in group if not passed_tasks.isdisjoint(deletion.tasks)]
     groups = group_deletions(passing, code, tasks)
     complete = run([rehearsal_without(group, code, week) for group in groups])
     for group, result in zip(groups, complete, strict=True):
@@ -646,11 +646,11 @@ def false_passes(
 ) -> Iterator[tuple[str, str, str]]:
     """Yield (deletion, task, exception) for each crashing answer of a group that passes all public checks."""
     results = {result.task: result for result in rehearsal_result.results}
-    for one in group:
-        for task in one.tasks:
-            why = crash_message(one, results[task], rehearsal_result.tracebacks)
+    for deletion in group:
+        for task in deletion.tasks:
+            why = crash_message(deletion, results[task], rehearsal_result.tracebacks)
             if why and passes_public_checks(results[task]):
-                yield one.name, task, why
+                yield deletion.name, task, why
 
 
 def passes_public_checks(result: TaskResult) -> bool:
@@ -672,7 +672,7 @@ def _global_names(code: str) -> frozenset[str]:
         waiting += table.get_children()
         is_module = table.get_type() == "module"
         symbols = table.get_symbols()
-        names |= {one.get_name() for one in symbols if one.is_referenced() and (is_module or one.is_global())}
+        names |= {s.get_name() for s in symbols if s.is_referenced() and (is_module or s.is_global())}
     return frozenset(names)
 
 

@@ -212,9 +212,9 @@ def rehearse(rehearsal: Rehearsal, course: Course) -> RehearsalResult:
     outcome = unpack(run(job).evidence, steps)
     judgement = judge(outcome, tasks, catalog)
     types = {
-        (one.evidence.task, topic, type_name)
-        for one in outcome.runs
-        for topic, type_name in one.evidence.topics.items()
+        (run.evidence.task, topic, type_name)
+        for run in outcome.runs
+        for topic, type_name in run.evidence.topics.items()
     }
     is_broken = any(check.broken for result in judgement.tasks for check in result.checks)
     # A check that raises an exception or exceeds its time limit does not show whether messages
@@ -223,7 +223,7 @@ def rehearse(rehearsal: Rehearsal, course: Course) -> RehearsalResult:
         _hollow_results(tasks, outcome.runs, catalog) if rehearsal.hollow and not is_broken else ()
     )
     hollow = tuple((way.name, way.remedy, result) for way, result in hollow_results)
-    printed = frozenset(one.evidence.task for one in outcome.runs if TRACEBACK in one.evidence.output)
+    printed = frozenset(run.evidence.task for run in outcome.runs if TRACEBACK in run.evidence.output)
     return RehearsalResult(
         judgement.tasks, judgement.cell_errors, hollow, tuple(sorted(types)), printed, judgement.limit
     )
@@ -253,8 +253,8 @@ def _hollow_results(
     tasks: Sequence[Task], runs: Sequence[Run], catalog: Catalog
 ) -> Iterable[tuple[Hollowing, TaskResult]]:
     for task in (task for task in tasks if task.kind == "node"):
-        before = [one for one in runs if one.evidence.task == task.id]
+        before = [run for run in runs if run.evidence.task == task.id]
         for hollowing in HOLLOWINGS:
-            after = [replace(one, evidence=hollowing.apply(one.evidence)) for one in before]
+            after = [replace(run, evidence=hollowing.apply(run.evidence)) for run in before]
             if after != before:
                 yield hollowing, judge_task(task, *catalog.points(task), after)

@@ -560,7 +560,7 @@ def misspelled_topics(
     Other names are not flaws, because a TransformListener subscribes to topics that its code does
     not mention, and a name may be composed at run time.
     """
-    for topic in dict.fromkeys(message.topic for one in scenarios for message in one.inputs):
+    for topic in dict.fromkeys(message.topic for scenario in scenarios for message in scenario.inputs):
         name = topic.strip("/").removesuffix("/set_parameters")
         parts = {name, *name.split("/")}
         similar_names = get_close_matches(name, names, n=1, cutoff=SIMILAR)
@@ -596,7 +596,7 @@ def misspelled_names(
         types: The message type that the solution publishes, by task and topic.
     """
     checks = [check for scenario in scenarios for check in scenario.checks]
-    for check in (one for whole in checks for one in (whole, *whole.requires)):
+    for check in (part for whole in checks for part in (whole, *whole.requires)):
         if check.origin is not None and (text := _misspelling(task, check.origin, types)):
             yield Flaw("fields", f"{task.id}: {text}", check.origin.location)
 

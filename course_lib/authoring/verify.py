@@ -114,8 +114,8 @@ class WeekRehearsals:
             # All other answers would also take too long, or fail because of the same check.
             return
         edits = list(make_edits(self._tasks, self._answers, self._cells, operators(self._course.solutions)))
-        yield from (one for one in edits if isinstance(one, Flaw))
-        groups = group_edits([one for one in edits if isinstance(one, Edit)], self._cells, self._week)
+        yield from (edit for edit in edits if isinstance(edit, Flaw))
+        groups = group_edits([edit for edit in edits if isinstance(edit, Edit)], self._cells, self._week)
         rehearsals = [*self._option_rehearsals(), *self._file_rehearsals()]
         rehearsals += [(rehearsal, partial(self._check_edits, group)) for group, rehearsal in groups]
         results = self._run_rehearsals([rehearsal for rehearsal, _ in rehearsals])
@@ -473,7 +473,7 @@ def _idle_mutants(course: Course) -> Iterator[Flaw]:
     path = course.solutions / "answers" / "mutants.toml"
     # Each week reports its unreadable files.
     with suppress(CourseError):
-        cells = [cell for one in course.solutions.glob("*_solution.ipynb") for cell in cells_of(one)]
+        cells = [cell for path in course.solutions.glob("*_solution.ipynb") for cell in cells_of(path)]
         for name in idle_operators(course.solutions, cells):
             yield Flaw(
                 "wrong",
@@ -632,5 +632,5 @@ def digest_of_week(course: Course, week: str) -> str:
 def _read_digests(course: Course) -> list[str]:
     with suppress(OSError, ValueError):
         digests = read_json((course.exercises.parent / DIGESTS_FILE).read_text(encoding="utf-8"))
-        return [one for one in digests if isinstance(one, str)] if isinstance(digests, list) else []
+        return [d for d in digests if isinstance(d, str)] if isinstance(digests, list) else []
     return []

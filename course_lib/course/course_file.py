@@ -152,7 +152,7 @@ class CourseFile:
     def __post_init__(self) -> None:
         groups = {normalise(name): tuple(map(normalise, ids)) for name, ids in self.groups.items()}
         for name in groups:
-            if name in (one for ids in groups.values() for one in ids):
+            if name in (member for ids in groups.values() for member in ids):
                 raise CourseError(f"groups: {name} is both the name of a group and the ID of a student")
         object.__setattr__(self, "groups", groups)
         names = (*self.weeks, *self.faults)
@@ -204,7 +204,7 @@ class CourseFile:
             week: A valid week.
             students: IDs in normalised spelling.
         """
-        known = {*self.groups, *(one for ids in self.groups.values() for one in ids), *students}
+        known = {*self.groups, *(member for ids in self.groups.values() for member in ids), *students}
         return [name for name in self.weeks[week].extensions if name not in known]
 
     def closing_time(self, week: str) -> datetime:

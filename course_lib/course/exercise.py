@@ -42,7 +42,7 @@ def find_notebook(path: Path) -> Path:
         notebooks = (*folder.glob("*.ipynb"), *folder.glob("*/week*_exercise.ipynb"))
         # A broken symbolic link is listed, too.
         candidates = [str(notebook) for notebook in notebooks if notebook.exists()]
-        matches = [one for one in candidates if Path(one).name.startswith(f"{path.name}_exercise.")]
+        matches = [name for name in candidates if Path(name).name.startswith(f"{path.name}_exercise.")]
         if suggestion := did_you_mean(matches[0] if matches else str(path), candidates):
             raise CourseError(f"there is no {path}{suggestion}")
     return path

@@ -829,7 +829,7 @@ class DepthCloudDisplay(CloudDisplay):
             return
         stamp_ns = nanoseconds(depth.header.stamp)
         if self._waiting_colors:
-            color = min(self._waiting_colors, key=lambda one: abs(nanoseconds(one.header.stamp) - stamp_ns))
+            color = min(self._waiting_colors, key=lambda m: abs(nanoseconds(m.header.stamp) - stamp_ns))
             while self._waiting_colors.popleft() is not color:
                 pass
         self._depth = None

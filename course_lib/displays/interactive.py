@@ -609,7 +609,7 @@ class InteractiveMarkersDisplay(Display):
     def choose(self, path: str, entry: int) -> str:
         """Choose a menu entry of the marker at a path, and return a message for the page."""
         marker = self._marker_at(path)
-        entries = {} if marker is None else {one.id: one for one in marker.message.menu_entries}
+        entries = {} if marker is None else {entry.id: entry for entry in marker.message.menu_entries}
         if marker is None or entry not in entries:
             raise CourseError("This entry is no longer in the menu.")
         chosen_entry = entries[entry]

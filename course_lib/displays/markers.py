@@ -678,7 +678,7 @@ class _Markers(TopicDisplay):
     def message_at(self, path: str) -> Any:
         """Return the marker from which an object was drawn."""
         live = self.markers.live.values()
-        return next((one.marker for one in live if f"{path}/".startswith(f"{one.path}/")), None)
+        return next((shown.marker for shown in live if f"{path}/".startswith(f"{shown.path}/")), None)
 
     def rows(self) -> list[StatusRow]:
         """Return the statuses, with hints about markers whose frame has moved."""

@@ -86,10 +86,10 @@ def export(
         raise CourseError(f"{out / package} already exists. Use --force to overwrite the exported files.")
     modules, only_code = node_modules(file, nodes)
     files = {path: text.encode() for path, text in _file_texts(file, package, modules, extra).items()}
-    for one in extra:
-        if one.suffix not in _FOLDERS or not one.is_file():
-            raise CourseError(f"{one} cannot be included; pass files that end in {', '.join(_FOLDERS)}.")
-        files[f"{_FOLDERS[one.suffix]}/{one.name}"] = read_bytes(one)
+    for path in extra:
+        if path.suffix not in _FOLDERS or not path.is_file():
+            raise CourseError(f"{path} cannot be included; pass files that end in {', '.join(_FOLDERS)}.")
+        files[f"{_FOLDERS[path.suffix]}/{path.name}"] = read_bytes(path)
     _write(files, out / package)
     notes = list(_copy_note(file))
     for name, why in only_code.items():
@@ -135,7 +135,7 @@ def _file_texts(
     for module in started:
         names = {"package": package, "module": module.name, "name": module.class_name}
         files[f"test/test_{module.name}.py"] = fill_template("test_node.py", **names)
-    return files | _launch_files(package, started, {_FOLDERS.get(one.suffix, ""): one.name for one in extra})
+    return files | _launch_files(package, started, {_FOLDERS.get(p.suffix, ""): p.name for p in extra})
 
 
 def _launch_files(
@@ -262,10 +262,10 @@ def _check_manifest(file: Path, name: str) -> Iterator[str]:
             yield f"package.xml: <{tag}>"
     if (root.findtext("export/build_type") or "").strip() != "ament_python":
         yield "package.xml: <export><build_type>ament_python</build_type></export>"
-    declared = {(one.text or "").strip() for one in root if one.tag.endswith("depend")}
+    declared = {(element.text or "").strip() for element in root if element.tag.endswith("depend")}
     ros, python_packages = dependencies(_imports(file.parent / name), name)
     for tag, names in (("depend", ros), ("exec_depend", python_packages)):
-        yield from (f"package.xml: <{tag}>{one}</{tag}>" for one in names if one not in declared)
+        yield from (f"package.xml: <{tag}>{name}</{tag}>" for name in names if name not in declared)
 
 
 def _check_setup(file: Path, name: str) -> Iterator[str]:

@@ -354,9 +354,9 @@ class NodeModule:
         """Return the frames that the class assigns to `frame_id`."""
         return [
             value
-            for one in ast.walk(self.node)
-            if isinstance(one, ast.Assign) and isinstance(value := _literal(one.value), str)
-            if any(isinstance(target, ast.Attribute) and target.attr == "frame_id" for target in one.targets)
+            for node in ast.walk(self.node)
+            if isinstance(node, ast.Assign) and isinstance(value := _literal(node.value), str)
+            if any(isinstance(target, ast.Attribute) and target.attr == "frame_id" for target in node.targets)
         ]
 
     def obstacle(self, modules: Sequence["NodeModule"], code: Sequence[Statement], *, named: bool) -> str:
@@ -369,14 +369,14 @@ class NodeModule:
         """
         if self.main is Main.OWN:
             return ""
-        classes = {one.node.name: one.node for one in code if isinstance(one.node, ast.ClassDef)}
+        classes = {s.node.name: s.node for s in code if isinstance(s.node, ast.ClassDef)}
         heirs = [other.class_name for other in modules if self.class_name in _direct_bases(other.node)]
         if heirs and not named:
             return f"is the base of {', '.join(heirs)}"
         constructors = (
             item
-            for one in _family(self.node, classes)
-            for item in one.body
+            for cls in _family(self.node, classes)
+            for item in cls.body
             if isinstance(item, ast.FunctionDef) and item.name == "__init__"
         )
         free = next(map(_required_arguments, constructors), [])
@@ -386,7 +386,7 @@ class NodeModule:
         abstract = [
             method.name
             for method in methods
-            if any(ast.unparse(one).endswith("abstractmethod") for one in method.decorator_list)
+            if any(ast.unparse(d).endswith("abstractmethod") for d in method.decorator_list)
         ]
         return f"leaves {', '.join(abstract)} abstract" if abstract else ""
 
@@ -434,7 +434,7 @@ def node_modules(file: Path, nodes: Sequence[str]) -> tuple[list[NodeModule], di
         CourseError: The code is invalid, or no class can be started.
     """
     code = statements(read_cells(file))
-    if any(one.cell.is_marked for one in code):
+    if any(s.cell.is_marked for s in code):
         exported, left_out = [s for s in code if s.cell.is_marked], [s for s in code if not s.cell.is_marked]
     else:
         exported, left_out = code, []
@@ -450,7 +450,7 @@ def node_modules(file: Path, nodes: Sequence[str]) -> tuple[list[NodeModule], di
             f"No class can be started by itself: {reasons}. Give defaults, or make them "
             "parameters: self.declare_parameter(…)."
         )
-    bindings = {one for module in started for part in module.statements for one in part.bindings}
+    bindings = {name for module in started for part in module.statements for name in part.bindings}
     helper_modules = [
         replace(m, main=Main.NONE) for m in modules if m.class_name in reasons_by_class.keys() - bindings
     ]
@@ -468,14 +468,14 @@ def _module(
 ) -> NodeModule:
     assert isinstance(root.node, ast.ClassDef)
     parts = collect_needed_statements(root, exported, left_out)
-    classes = frozenset().union(*(one.bindings for one in roots))
+    classes = frozenset().union(*(s.bindings for s in roots))
     main = next(
         (s for s in reversed(exported) if "main" in s.bindings and s.later & classes == root.bindings), None
     )
     if main is None:
         return NodeModule(root.node, parts, Main.MADE)
     of_main = collect_needed_statements(main, exported, left_out)
-    parts = sorted({one.order: one for one in (*parts, *of_main)}.values(), key=lambda one: one.order)
+    parts = sorted({s.order: s for s in (*parts, *of_main)}.values(), key=lambda s: s.order)
     return NodeModule(root.node, parts, Main.OWN)
 
 
@@ -500,7 +500,7 @@ def node_classes(code: Sequence[Statement], names: Sequence[str]) -> list[Statem
     Raises:
         CourseError: A name is not a class, or there are no subclasses of Node.
     """
-    classes = {name: one for one in code if isinstance(one.node, ast.ClassDef) for name in one.bindings}
+    classes = {name: s for s in code if isinstance(s.node, ast.ClassDef) for name in s.bindings}
     for name in names:
         if name not in classes:
             raise CourseError(
@@ -509,7 +509,7 @@ def node_classes(code: Sequence[Statement], names: Sequence[str]) -> list[Statem
     selected = [classes[name] for name in names or classes if names or _is_node(classes[name], classes)]
     if not selected:
         raise CourseError("There is no class that derives from rclpy's Node. Choose a class: --node MyClass")
-    return sorted(selected, key=lambda one: one.order)
+    return sorted(selected, key=lambda cls: cls.order)
 
 
 def collect_needed_statements(
@@ -525,16 +525,18 @@ def collect_needed_statements(
     Raises:
         CourseError: A name is undefined, or only defined in a cell that is left out.
     """
-    needed = {root.order: root} | {one.order: one for one in code if one.text.startswith("from __future__")}
+    needed = {root.order: root} | {s.order: s for s in code if s.text.startswith("from __future__")}
     # These imports have a side effect: they register message types in tf2.
-    needed |= {one.order: one for one in code if one.text in _REGISTERING}
+    needed |= {s.order: s for s in code if s.text in _REGISTERING}
     to_do, last = [root], len(code) + len(left_out)
     while to_do:
-        one = to_do.pop()
-        givers = [_find_binding(name, one, code, left_out, at=one.order) for name in sorted(one.now)]
-        givers += [_find_binding(name, one, code, left_out, at=last) for name in sorted(one.later)]
-        if not one.is_import:
-            givers += [s for s in code if s.changes & one.bindings and not isinstance(one.node, ast.ClassDef)]
+        user = to_do.pop()
+        givers = [_find_binding(name, user, code, left_out, at=user.order) for name in sorted(user.now)]
+        givers += [_find_binding(name, user, code, left_out, at=last) for name in sorted(user.later)]
+        if not user.is_import:
+            givers += [
+                s for s in code if s.changes & user.bindings and not isinstance(user.node, ast.ClassDef)
+            ]
         for giver in givers:
             if giver is not None and giver.order not in needed:
                 needed[giver.order] = giver
@@ -542,13 +544,13 @@ def collect_needed_statements(
     return [needed[order] for order in sorted(needed)]
 
 
-def _is_node(one: Statement, classes: dict[str, Statement]) -> bool:
-    assert isinstance(one.node, ast.ClassDef)
-    for base in one.node.bases:
+def _is_node(cls: Statement, classes: dict[str, Statement]) -> bool:
+    assert isinstance(cls.node, ast.ClassDef)
+    for base in cls.node.bases:
         name = base.attr if isinstance(base, ast.Attribute) else getattr(base, "id", "")
         if name in ("Node", "LifecycleNode"):
             return True
-        if name in classes and classes[name] is not one and _is_node(classes[name], classes):
+        if name in classes and classes[name] is not cls and _is_node(classes[name], classes):
             return True
     return False
 
@@ -557,14 +559,14 @@ def _find_binding(
     name: str, user: Statement, code: Sequence[Statement], left_out: Sequence[Statement], *, at: int
 ) -> Statement | None:
     """Find the last statement before `at` that binds a name; without one, the first after it."""
-    givers = [one for one in code if name in one.bindings or "*" in one.bindings]
-    before = [one for one in givers if one.order < at]
+    givers = [s for s in code if name in s.bindings or "*" in s.bindings]
+    before = [s for s in givers if s.order < at]
     if givers:
         return before[-1] if before else givers[0]
     if name in _ALWAYS_THERE or name in user.bindings:
         return None
     usage = f"{', '.join(sorted(user.bindings)) or 'a statement'} (cell {user.cell.number}) uses {name!r}"
-    elsewhere = next((one for one in left_out if name in one.bindings), None)
+    elsewhere = next((s for s in left_out if name in s.bindings), None)
     if elsewhere is not None:
         raise CourseError(
             f"{usage}, which cell {elsewhere.cell.number} defines, but that cell is not exported. "
@@ -595,7 +597,7 @@ def _required_arguments(function: ast.FunctionDef) -> list[str]:
     positional = [*arguments.posonlyargs, *arguments.args][1:]
     free = positional[: len(positional) - len(arguments.defaults)]
     pairs = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
-    return [one.arg for one in (*free, *(one for one, default in pairs if default is None))]
+    return [a.arg for a in (*free, *(a for a, default in pairs if default is None))]
 
 
 def _literal(node: ast.expr) -> Any:

@@ -51,7 +51,7 @@ class RobotTopic:
     def is_needed(self) -> bool:
         """Return whether the robot should send the topic now."""
         return bool(self.publishers) and (
-            self.qos.is_latched or any(one.is_matched() for one in tuple(self.publishers.values()))
+            self.qos.is_latched or any(p.is_matched() for p in tuple(self.publishers.values()))
         )
 
     def on_packet(self, packet: Packet) -> None:

@@ -73,7 +73,7 @@ class Base(Node):
             self.get_logger().error(f"A command with numbers that are not finite is ignored: {velocities}.")
             return
         limits = (MAX_LINEAR, MAX_LINEAR, MAX_ANGULAR)
-        x, y, yaw = (max(-limit, min(limit, one)) for one, limit in zip(velocities, limits, strict=True))
+        x, y, yaw = (max(-limit, min(limit, v)) for v, limit in zip(velocities, limits, strict=True))
         self.command.linear.x, self.command.linear.y, self.command.angular.z = x, y, yaw
         self.age = 0.0
 
@@ -118,7 +118,7 @@ class LaserScanner(Node):
         x = base.x + LASER[0] * math.cos(base.yaw)
         y = base.y + LASER[0] * math.sin(base.yaw)
         distances = (distance(x, y, base.yaw - math.pi + beam * step) for beam in range(BEAMS))
-        scan.ranges = [one + random.gauss(0.0, NOISE) if one < RANGE_MAX else math.inf for one in distances]
+        scan.ranges = [r + random.gauss(0.0, NOISE) if r < RANGE_MAX else math.inf for r in distances]
         self.publisher.publish(scan)
 
 

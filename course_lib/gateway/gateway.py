@@ -109,9 +109,9 @@ def _rules(students: Sequence[str], calls: Sequence[str], domain: int) -> list[d
     listeners = [_tokens(domain, "NN"), _tokens(domain, "MS"), *clients]
     read_topics = [
         key
-        for one in DOMAINS
-        if one != domain
-        for key in [f"{one}/**", f"{one}/**/@adv/**", f"{ADMIN}/{one}/**"]
+        for other in DOMAINS
+        if other != domain
+        for key in [f"{other}/**", f"{other}/**/@adv/**", f"{ADMIN}/{other}/**"]
     ]
     return [
         _rule("look", ["ingress", "egress"], LOOK, EVERYWHERE),
@@ -198,7 +198,7 @@ def load_users(
     before = [student for student in tokens if student != THE_ROBOT]
     ids = [THE_ROBOT, *(read_class(roster, id_column) if roster else before or [GUEST])]
     names = _ros_names(ids)
-    users = [GatewayUser(one, names[one], tokens.get(one) or secrets.token_urlsafe(18)) for one in ids]
+    users = [GatewayUser(key, names[key], tokens.get(key) or secrets.token_urlsafe(18)) for key in ids]
     if driver:
         find_student(users, driver)
     text = io.StringIO(newline="")
@@ -244,12 +244,12 @@ def find_student(users: Sequence[GatewayUser], query: str) -> GatewayUser:
 def _ros_names(ids: Iterable[str]) -> dict[str, str]:
     """Return a unique ROS name for each ID, from lower-case letters, digits and single underscores."""
     names: dict[str, str] = {}
-    for one in ids:
-        plain = re.sub(r"[^a-z0-9]+", "_", one.casefold()).strip("_")
+    for student_id in ids:
+        plain = re.sub(r"[^a-z0-9]+", "_", student_id.casefold()).strip("_")
         name = plain if plain[:1].isalpha() else f"s{plain}"
         while name in names.values():
             name += "x"
-        names[one] = name
+        names[student_id] = name
     return names
 
 
@@ -576,7 +576,7 @@ def _links(session: zenoh.Session, own_ids: set[str]) -> list[str]:
         if reply.ok is not None:
             sessions = read_json(bytes(reply.ok.payload))["sessions"]
             addresses += [
-                link["dst"] for one in sessions if one["peer"] not in own_ids for link in one["links"]
+                link["dst"] for peer in sessions if peer["peer"] not in own_ids for link in peer["links"]
             ]
     return addresses
 
@@ -693,7 +693,7 @@ def router(
         if driver != NOBODY:
             tokens = _stored_tokens(folder)
             names = _ros_names(tokens)
-            find_student([GatewayUser(one, names[one], token) for one, token in tokens.items()], driver)
+            find_student([GatewayUser(key, names[key], token) for key, token in tokens.items()], driver)
         write_atomically(folder / DRIVER, driver.encode(), PRIVATE)
         write(f"The gateway in {folder} now has the driver {driver}.")
         return
@@ -717,9 +717,9 @@ def router(
     try:
         write_atomically(folder / PAGE_ADDRESS, page.address.encode(), PRIVATE)
         write_atomically(folder / DRIVER, first.encode(), PRIVATE)
-        one = users[-1]
+        last = users[-1]
         domain = f" with --domain {settings.domain}" if settings.domain else ""
-        write(f"Students connect to {one.address(place) if one.student == GUEST else place}{domain}")
+        write(f"Students connect to {last.address(place) if last.student == GUEST else place}{domain}")
         write(f"Tokens to hand out: {folder / TOKENS}")
         for line in (
             [f"Robot: {settings.robot}"] if settings.robot else _robot_settings(settings, folder, place)

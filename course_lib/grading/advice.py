@@ -213,7 +213,7 @@ class Code:
     def mentions_topic(self, topic: str) -> bool:
         """Return whether a string in the code is the name of a topic, with or without the slash."""
         strings = (node.value for node in self._nodes if isinstance(node, ast.Constant))
-        return any(isinstance(one, str) and one.strip("/") == topic.strip("/") for one in strings)
+        return any(isinstance(s, str) and s.strip("/") == topic.strip("/") for s in strings)
 
     def subscriptions(self) -> list[str]:
         """Return the topics of all subscriptions, or [] if one topic is not a string literal in the code."""
@@ -254,7 +254,7 @@ class Code:
 
     def _has_expression(self, part: str) -> bool:
         return part in self._expressions or (
-            " = " in part and any(one.endswith(f".{part}") for one in self._expressions)
+            " = " in part and any(e.endswith(f".{part}") for e in self._expressions)
         )
 
 
@@ -277,8 +277,8 @@ def _missing_subscription_hint(task: Task, code: Code) -> str:
     """Return a hint if a node subscribes to none of the topics on which messages arrive, or ""."""
     inputs = {
         message.topic: None
-        for one in task.scenarios
-        for message in one.inputs
+        for scenario in task.scenarios
+        for message in scenario.inputs
         if "/srv/" not in message.type_name
     }
     expected = [topic for topic in inputs if topic not in ("/tf", "/tf_static", "/clock")]
@@ -292,7 +292,7 @@ def _missing_subscription_hint(task: Task, code: Code) -> str:
 
 def _late_timer_hint(task: Task, source: str) -> str:
     """Return a sentence about a timer that is due only after the longest scenario, or ""."""
-    seconds = max((one.seconds for one in task.scenarios), default=0.0)  # [s]
+    seconds = max((scenario.seconds for scenario in task.scenarios), default=0.0)  # [s]
     for node in ast.walk(parse(source)):
         match node:
             case ast.Call(func=ast.Attribute(attr="create_timer"), args=[period, callback, *_]):
@@ -410,16 +410,16 @@ def _as_code(value: Any) -> str:
 
 def missing_return_hint(task: Task, evidence: Iterable[Evidence], source: str = "") -> list[str]:
     """Return a hint about a missing return if a function ended normally and returned None."""
-    ran = (one for one in evidence if not one.errors and not one.stopped)
+    ran = (record for record in evidence if not record.errors and not record.stopped)
     if task.kind in ("function", "launch") and any(
-        returned is None for one in ran for returned in one.returns
+        returned is None for record in ran for returned in record.returns
     ):
         tree = parse(source)
         returned = [node.value for node in ast.walk(tree) if isinstance(node, ast.Return)]
         # A loop that `return` ends early is the cause then, and has its own hint.
         if find_slip(source).startswith("return ends the loop"):
             return []
-        last = next((one.body[-1] for one in getattr(tree, "body", ()) if isinstance(one, Function)), None)
+        last = next((part.body[-1] for part in getattr(tree, "body", ()) if isinstance(part, Function)), None)
         match last:
             case ast.Expr(value=ast.Call(func=ast.Name(id="print"))):
                 return [f"{task.name} returned None: print shows a value, and return gives it to the caller."]
@@ -434,9 +434,9 @@ def missing_return_hint(task: Task, evidence: Iterable[Evidence], source: str = 
                     "its own, then return the value."
                 ]
         calls = [
-            one.func.attr
-            for one in returned
-            if isinstance(one, ast.Call) and isinstance(one.func, ast.Attribute)
+            value.func.attr
+            for value in returned
+            if isinstance(value, ast.Call) and isinstance(value.func, ast.Attribute)
         ]
         for method in calls:
             if method in IN_PLACE:
@@ -463,7 +463,7 @@ def parameter_order_hint(task: Task, source: str) -> list[str]:
                 ]
     for name, own in _parameters(tree):
         expected = given.get(name, [])
-        in_place = [one not in own or own.index(one) == place for place, one in enumerate(expected)]
+        in_place = [name not in own or own.index(name) == place for place, name in enumerate(expected)]
         # Errors about a missing or surplus parameter have hints of their own.
         if len(own) == len(expected) and not all(in_place):
             return [
@@ -477,7 +477,7 @@ def _parameters(tree: ast.AST) -> Iterator[tuple[str, list[str]]]:
     """Yield the name and the positional parameters of each function and each method."""
     for node in getattr(tree, "body", ()):
         if isinstance(node, Function):
-            yield node.name, [one.arg for one in (*node.args.posonlyargs, *node.args.args)]
+            yield node.name, [argument.arg for argument in (*node.args.posonlyargs, *node.args.args)]
         elif isinstance(node, ast.ClassDef):
             yield from _parameters(node)
 
@@ -491,7 +491,7 @@ def _released_parameters(week: str, name: str) -> Mapping[str, list[str]]:
         return {}
     for _, cell in code_cells(notebook):
         tree = parse(without_magics(text_of(cell)))
-        body = [one for one in getattr(tree, "body", ()) if getattr(one, "name", "") == name]
+        body = [part for part in getattr(tree, "body", ()) if getattr(part, "name", "") == name]
         if body:
             return dict(_parameters(ast.Module(body, [])))
     return {}
@@ -503,11 +503,11 @@ def nan_hint(evidence: Iterable[Evidence]) -> list[str]:
     Only the last message of a topic is searched.
     """
     places: list[str] = []
-    for one in evidence:
-        for topic in {sample.topic: None for sample in one.samples if _may_hold_nan(sample.cdr)}:
-            last = [to_plain(message) for _, message in one.messages(topic)[-1:]]
+    for record in evidence:
+        for topic in {sample.topic: None for sample in record.samples if _may_hold_nan(sample.cdr)}:
+            last = [to_plain(message) for _, message in record.messages(topic)[-1:]]
             places += (f"{place} on {topic}" for place in _nan_locations(last[0] if last else None, ""))
-        places += (place for value in one.returns for place in _nan_locations(value, "the returned value"))
+        places += (place for value in record.returns for place in _nan_locations(value, "the returned value"))
     named_places = list(dict.fromkeys(places))[:MAX_PLACES]
     cause = "a division 0 / 0, a root of a negative number, or a value that was never set?"
     return [f"NaN (not a number): {', '.join(named_places)}. Is it {cause}"] if named_places else []
@@ -515,7 +515,7 @@ def nan_hint(evidence: Iterable[Evidence]) -> list[str]:
 
 def wrong_type_hint(evidence: Iterable[Evidence]) -> list[str]:
     """Return a sentence about the first topic that is subscribed to with another type, or []."""
-    warnings = (re.search(r"Incompatible type on topic '(\S+)'", one.output) for one in evidence)
+    warnings = (re.search(r"Incompatible type on topic '(\S+)'", record.output) for record in evidence)
     topics = [matches[1] for matches in warnings if matches]
     return [
         f"Nothing arrives from {topic}: the type in create_subscription is not the one that is "
@@ -526,10 +526,10 @@ def wrong_type_hint(evidence: Iterable[Evidence]) -> list[str]:
 
 def missing_node_hint(evidence: Iterable[Evidence], source: str) -> list[str]:
     """Return a sentence about a missing node whose parameters the scenario sets, or []."""
-    ran = (one for one in evidence if not one.errors and not one.stopped)
-    matches = [re.search(rf"{NO_NODE} (/\w+)", one.output) for one in ran]
+    ran = (record for record in evidence if not record.errors and not record.stopped)
+    matches = [re.search(rf"{NO_NODE} (/\w+)", record.output) for record in ran]
     names = [node.args[0] for node in ast.walk(parse(source)) if _is_super_init(node)]
-    own = [one.value for one in names if isinstance(one, ast.Constant)]
+    own = [name.value for name in names if isinstance(name, ast.Constant)]
     text = f", which here is {own[0]!r}" if own else ""
     return [
         f"Hint: ros2 param set finds no node {match[1]}. Compare the name in super().__init__{text}."
@@ -557,7 +557,7 @@ _POLICIES = {
 def incompatible_policy_hint(evidence: Iterable[Evidence]) -> list[str]:
     """Return a sentence about the first topic of which a subscription receives nothing, or []."""
     warning = r"New publisher discovered on topic '(\S+)', offering incompatible QoS\..* policy: (\w+)"
-    found = (re.search(warning, one.output) for one in evidence)
+    found = (re.search(warning, record.output) for record in evidence)
     return [
         f"Hint: Nothing arrives from {match[1]}: {_POLICIES[match[2]]} as the last argument of "
         "create_subscription."
@@ -568,7 +568,7 @@ def incompatible_policy_hint(evidence: Iterable[Evidence]) -> list[str]:
 
 def large_message_hint(evidence: Iterable[Evidence]) -> list[str]:
     """Return a sentence about the topic whose large messages take most of the time, or []."""
-    descriptions = [one.large_message for one in evidence if one.large_message]
+    descriptions = [record.large_message for record in evidence if record.large_message]
     advice = "and each message must be built, sent and checked. Are that many points needed?"
     return [f"This took long: {text}, {advice}" for text in descriptions[:1]]
 
@@ -578,7 +578,7 @@ def best_effort_hint(evidence: Iterable[Evidence]) -> list[str]:
 
     Images and scans are often best effort, so that tasks with sensors intend it.
     """
-    for sample in (sample for one in evidence for sample in one.samples):
+    for sample in (sample for record in evidence for sample in record.samples):
         if sample.qos.reliability == "best_effort" and sample.type_name.startswith(RELIABLE_TYPES):
             return [
                 f"Here the checks accept that {sample.topic} is published with Best Effort. On ROS "

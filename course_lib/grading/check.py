@@ -147,7 +147,7 @@ def table_of(
         source: The student's code.
     """
     notes = advice.notes(task, result, evidence, student, source)
-    return Table(result, tuple(notes), printed_lines(one.output for one in evidence))
+    return Table(result, tuple(notes), printed_lines(record.output for record in evidence))
 
 
 def _call_text(task: Task) -> str:

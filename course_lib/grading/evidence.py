@@ -98,7 +98,7 @@ class LaunchRecord:
                 "defaults": dict(self.defaults),
                 "started": [_encode_node(node) for node in self.started],
                 "others": [
-                    [one.argument, one.value, list(map(_encode_node, one.started))] for one in self.others
+                    [run.argument, run.value, list(map(_encode_node, run.started))] for run in self.others
                 ],
                 "error": self.error,
             }

@@ -309,10 +309,10 @@ def _find(submissions: Path, course: store.Course) -> list[Submission]:
     if settings.zone_note:
         say(settings.zone_note)
 
-    def is_accepted(one: Submission) -> bool:
-        week = one.exercise.split("_")[0]
-        deadline = settings.deadline(week, one.student) if week in settings.weeks else None
-        return settings.late.is_accepted(one.received.days_late(deadline, settings.late))
+    def is_accepted(submission: Submission) -> bool:
+        week = submission.exercise.split("_")[0]
+        deadline = settings.deadline(week, submission.student) if week in settings.weeks else None
+        return settings.late.is_accepted(submission.received.days_late(deadline, settings.late))
 
     all_submissions = find_submissions(
         submissions, settings.counts, settings.zone, with_refused=True, is_accepted=is_accepted
@@ -325,13 +325,13 @@ def _find(submissions: Path, course: store.Course) -> list[Submission]:
     ):
         say(line)
     # Paths in results are relative to the folder of submissions, so that both can be moved.
-    return [replace(one, path=one.path.relative_to(submissions)) for one in resolved]
+    return [replace(s, path=s.path.relative_to(submissions)) for s in resolved]
 
 
 def _extension_lines(submissions: Iterable[Submission], settings: CourseFile) -> Iterator[str]:
     """Yield a note for each week with extensions for unknown names, such as a misspelled group."""
-    weeks = {one.exercise.split("_")[0] for one in submissions} & settings.weeks.keys()
-    students = {one.student for one in submissions}
+    weeks = {submission.exercise.split("_")[0] for submission in submissions} & settings.weeks.keys()
+    students = {submission.student for submission in submissions}
     for week in sorted(weeks):
         if unknown := settings.unknown_extensions(week, students):
             yield (
@@ -345,15 +345,15 @@ def _find_pending(
 ) -> Pending:
     """Find the missing records, and print the submissions that --rejudge cannot judge."""
     if resume:
-        line = [one for one in line if not _is_done(one, out)]
-    jobs = {key: job for one in line for key, job in one.jobs.items()}
+        line = [attempts for attempts in line if not _is_done(attempts, out)]
+    jobs = {key: job for attempts in line for key, job in attempts.jobs.items()}
     missing = dict(jobs)
     if resume or rejudge:
         missing = {k: job for k, job in jobs.items() if not store.evidence_path(out, k).is_file()}
     if rejudge:
-        for one in (one for one in line if one.jobs.keys() & missing.keys()):
-            say(f"{one.student}  {one.exercise}  no evidence for these inputs: grade it without --rejudge")
-        line = [one for one in line if not one.jobs.keys() & missing.keys()]
+        for lost in (attempts for attempts in line if attempts.jobs.keys() & missing.keys()):
+            say(f"{lost.student}  {lost.exercise}  no evidence for these inputs: grade it without --rejudge")
+        line = [attempts for attempts in line if not attempts.jobs.keys() & missing.keys()]
         missing = {}
     return Pending(line, missing, course, out, resume, rejudge)
 
@@ -432,21 +432,21 @@ def _grade_all(work: Pending, jobs: int, dask: str | None) -> Iterator[Gradebook
         if work.missing:
             for note in runner.submit(prepare, course.sandbox, course.refused).result():
                 say(note)
-        exercises = {one.exercise for one in work.line if one.jobs}
+        exercises = {attempts.exercise for attempts in work.line if attempts.jobs}
         for note in run_preflight(exercises, course, out, runner, judge_executor, may_run=not work.rejudge):
             say(note)
         ran = flow(runner, run, ((key, [job]) for key, job in work.missing.items()), window)
         ready = _await_evidence(work, ran)
-        calls = ((one, (one, faults, course, out, work.resume)) for one, faults in ready)
-        for one, future in flow(judge_executor, judge_mark_report, calls, window):
+        calls = ((attempts, (attempts, faults, course, out, work.resume)) for attempts, faults in ready)
+        for attempts, future in flow(judge_executor, judge_mark_report, calls, window):
             try:
                 yield future.result()
             except store.RecordsWriteError:
                 raise
             except Exception as error:
                 # The judging process died, so the records are written here, with the reason.
-                faults = dict.fromkeys((s.key for s in one.submissions), Fault.from_error(error))
-                yield judge_mark_report(one, faults, course, out)
+                faults = dict.fromkeys((s.key for s in attempts.submissions), Fault.from_error(error))
+                yield judge_mark_report(attempts, faults, course, out)
 
 
 def _await_evidence(
@@ -454,13 +454,13 @@ def _await_evidence(
 ) -> Iterator[tuple[Attempts, Faults]]:
     """Store evidence as jobs end, and yield each student's attempts once all their evidence is stored."""
     waiting = defaultdict[str, list[Attempts]](list)
-    absent = {id(one): one.jobs.keys() & work.missing.keys() for one in work.line}
+    absent = {id(attempts): attempts.jobs.keys() & work.missing.keys() for attempts in work.line}
     faults: dict[str, Fault] = {}
-    for one in work.line:
-        for key in absent[id(one)]:
-            waiting[key].append(one)
-        if not absent[id(one)]:
-            yield replace(one, jobs={}), {}
+    for attempts in work.line:
+        for key in absent[id(attempts)]:
+            waiting[key].append(attempts)
+        if not absent[id(attempts)]:
+            yield replace(attempts, jobs={}), {}
     for key, future in ran:
         try:
             store_evidence(work.out, key, future.result())
@@ -469,10 +469,10 @@ def _await_evidence(
         except Exception as error:
             # An error of the kit in one submission must not stop the class.
             faults[key] = Fault.from_error(error)
-        for one in waiting.pop(key):
-            absent[id(one)] -= {key}
-            if not absent[id(one)]:
-                yield replace(one, jobs={}), {key: faults[key] for key in one.jobs if key in faults}
+        for attempts in waiting.pop(key):
+            absent[id(attempts)] -= {key}
+            if not absent[id(attempts)]:
+                yield replace(attempts, jobs={}), {key: faults[key] for key in attempts.jobs if key in faults}
 
 
 def judge_mark_report(
@@ -501,12 +501,13 @@ def judge_mark_report(
             {stored.submission.key: stored.judgement} if stored and stored.rules == attempts.rules else {}
         )
         fresh = {
-            one.key: _judge_one(one, faults, course, out)
-            for one in attempts.submissions
-            if not known_judgements.get(one.key)
+            submission.key: _judge_one(submission, faults, course, out)
+            for submission in attempts.submissions
+            if not known_judgements.get(submission.key)
         }
         judgements = [
-            fresh[one.key] if one.key in fresh else known_judgements[one.key] for one in attempts.submissions
+            fresh[submission.key] if submission.key in fresh else known_judgements[submission.key]
+            for submission in attempts.submissions
         ]
         result = mark(attempts.submissions, judgements, catalog.course, attempts.digest, attempts.rules)
     marks = read_marks(store.marks_path(out, attempts.student, attempts.exercise))
@@ -559,18 +560,18 @@ def _finish(
     zone = catalog.course.zone
     with store.writing(out):
         compare_class(found_submissions, out, work.course.exercises, zone, catalog.tasks.values())
-    for last in (one.submissions[-1] for one in work.line):
+    for last in (attempts.submissions[-1] for attempts in work.line):
         for note in last.notes:
             say(f"{last.student}  {last.exercise}  note: {note}")
     with store.writing(out):
         marked_results = write_tables(out, zone)
-    results = [one.result for one in marked_results]
+    results = [result.result for result in marked_results]
     for line in (*_task_lines(results), *_fault_lines(results)):
         say(line)
     statuses = sorted(Counter(row.status for row in rows).items())
     counts = ", ".join(f"{number} {status}" for status, number in statuses)
     say(f"{format_count(len(rows), 'submission')}: {counts or 'nothing to do'}.")
-    for isolation, number in Counter(one.isolation for one in results).most_common():
+    for isolation, number in Counter(result.isolation for result in results).most_common():
         say(f"Isolation of {number}: {isolation}.")
     for concern in review_reasons(marked_results, out):
         say(f"Please review: {concern.line(out)}")

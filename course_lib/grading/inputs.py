@@ -143,7 +143,7 @@ def detections(
     Its stamp is `delay` [s] earlier: a detector needs time, and the stamp is that of the image.
     """
     seen = header(at - delay, frame)
-    fields = {"header": seen, "detections": [{"header": seen, **_detection(one)} for one in found]}
+    fields = {"header": seen, "detections": [{"header": seen, **_detection(box)} for box in found]}
     return Message("/objects", "vision_msgs/msg/Detection3DArray", fields, at=at)
 
 

@@ -34,7 +34,7 @@ HIDDEN_ERROR = "in a hidden scenario the code raises an exception, or ends too e
 def judge(run: "ExerciseRun", tasks: Sequence[Task], catalog: Catalog) -> Judgement:
     """Judge the evidence of a submission with the checks of its tasks."""
     results = tuple(
-        judge_task(task, *catalog.points(task), [one for one in run.runs if one.evidence.task == task.id])
+        judge_task(task, *catalog.points(task), [r for r in run.runs if r.evidence.task == task.id])
         for task in tasks
     )
     return Judgement(

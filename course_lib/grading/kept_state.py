@@ -41,7 +41,7 @@ def find_growing_list(source: str, *, is_certain: bool = False) -> str:
 def _created_lists(cls: ast.ClassDef) -> set[str]:
     """Return the attributes that a class sets to an empty list, or to an object that may hold lists."""
     # A list in the body of the class is a single one for all its objects.
-    in_body = [name for one in cls.body if isinstance(one, ast.Assign) for name in emptied_names(one)]
+    in_body = [name for part in cls.body if isinstance(part, ast.Assign) for name in emptied_names(part)]
     created = {f"{owner}.{name}" for name in in_body for owner in ("self", cls.name)}
     for node in ast.walk(cls):
         if not isinstance(node, ast.Assign):
@@ -108,14 +108,14 @@ def _kept_entries(cls: ast.ClassDef, function: Function) -> Iterator[str]:
                 continue
         is_replaced = any(
             ast.unparse(target) == items
-            for one in ast.walk(function)
-            if isinstance(one, ast.Assign)
-            for target in one.targets
+            for node in ast.walk(function)
+            if isinstance(node, ast.Assign)
+            for target in node.targets
         )
         is_kept = items.startswith("self.") or items in _free_names(function)
         is_read = f"{items}.values" in used
         is_emptied = any(f"{items}.{method}" in used for method in _SHORTENING) or any(
-            one.startswith(f"del {items}[") for one in removed
+            statement.startswith(f"del {items}[") for statement in removed
         )
         if is_kept and is_read and not is_replaced and not is_emptied:
             yield (
@@ -182,7 +182,9 @@ def _reads_first(function: Function, items: str) -> bool:
 def _shortens(scope: ast.ClassDef | Function, items: str, owner: str) -> bool:
     """Return whether a class, outside of __init__, or a function shortens or replaces a list."""
     functions = (
-        [scope] if isinstance(scope, Function) else [one for one in scope.body if isinstance(one, Function)]
+        [scope]
+        if isinstance(scope, Function)
+        else [part for part in scope.body if isinstance(part, Function)]
     )
     for function in functions:
         if function.name == "__init__":

@@ -77,7 +77,7 @@ def standing_marks(marks: Iterable[HandMark]) -> list[HandMark]:
     standing: list[HandMark] = []
     for mark in marks:
         if mark.withdrawn:
-            standing = [one for one in standing if one.task != mark.task or mark.row not in ("", one.row)]
+            standing = [old for old in standing if old.task != mark.task or mark.row not in ("", old.row)]
         else:
             standing.append(mark)
     return standing
@@ -115,7 +115,7 @@ def add_marks(
         stored_marks = read_marks(path)
         marks_of_task = [mark for mark in stored_marks if mark.task == task.task]
         by = by or user_name()
-        new = [replace(_hand_mark(task, one, marks_of_task, by), sha256=sha256) for one in entries]
+        new = [replace(_hand_mark(task, entry, marks_of_task, by), sha256=sha256) for entry in entries]
         if revision is not None and revision != revision_of(marks_of_task, task.task, sha256):
             if list(map(_without_time, marks_of_task[-len(new) :])) == list(map(_without_time, new)):
                 # The page sent the marks again, because the first answer was lost.
@@ -185,7 +185,7 @@ def apply_marks(result: TaskResult, marks: Iterable[HandMark], sha256: str) -> T
 def task_mark(marks: Iterable[HandMark]) -> HandMark | None:
     """Return the last mark that a grader entered for an exercise without a submission, or None."""
     standing = reversed(standing_marks(marks))
-    return next((one for one in standing if not one.task and one.points is not None), None)
+    return next((mark for mark in standing if not mark.task and mark.points is not None), None)
 
 
 def has_task_mark(marks: Sequence[HandMark]) -> bool:
@@ -222,13 +222,11 @@ def mark(
         digest: Digest of everything that the result depends on.
         rules: Digest of the rules by which they are judged.
     """
-    results = [
-        _make_result(one, judgement, course) for one, judgement in zip(attempts, judgements, strict=True)
-    ]
+    results = [_make_result(s, judgement, course) for s, judgement in zip(attempts, judgements, strict=True)]
     best = max(results, key=_rank)
     finals = [result.mark.final if result.mark else None for result in results]
     tried = tuple(
-        replace(attempt_of(one.submission), final=final) for one, final in zip(results, finals, strict=True)
+        replace(attempt_of(r.submission), final=final) for r, final in zip(results, finals, strict=True)
     )
     return replace(best, attempts=tried, rules=rules, digest=digest if best.judgement else "")
 
@@ -372,7 +370,7 @@ class MarkedResult:
             reason = ", ".join(filter(None, (reason, MISMATCH)))
             message = f"{submission.id_note}; {message}"
             # The grader who entered points for this file has seen the note.
-            is_waiting |= not any(one.is_of(submission.sha256) for one in standing_marks(self.marks))
+            is_waiting |= not any(mark.is_of(submission.sha256) for mark in standing_marks(self.marks))
         total = Mark.compute(self.tasks, result.days_late, result.late)
         status: Status = "needs_marking" if is_waiting else row.status
         return replace(row, mark=total, status=status, reason=reason, message=message)

@@ -71,7 +71,7 @@ def callbacks_of(cls: ast.ClassDef) -> Iterator[Function]:
 def _repeated_methods(cls: ast.ClassDef) -> Iterator[str]:
     """Yield a sentence for each method that a later one of the same name replaces."""
     # Decorators like @property and its setter need the same name twice.
-    names = Counter(one.name for one in cls.body if isinstance(one, Function) and not one.decorator_list)
+    names = Counter(f.name for f in cls.body if isinstance(f, Function) and not f.decorator_list)
     for name, count in names.items():
         if count > 1:
             yield (
@@ -106,7 +106,7 @@ def _unfilled_buffers(cls: ast.ClassDef) -> Iterator[str]:
         for node in ast.walk(cls)
         if isinstance(node, ast.Call) and ast.unparse(node.func) == "TransformListener"
     ]
-    filled = {ast.unparse(argument) for one in listeners for argument in one.args[:1]}
+    filled = {ast.unparse(argument) for listener in listeners for argument in listener.args[:1]}
     for buffer in sorted(created - filled):
         call = f"TransformListener({buffer}, self)"
         # A local variable may be passed to a function that creates the listener.
@@ -117,7 +117,7 @@ def _unfilled_buffers(cls: ast.ClassDef) -> Iterator[str]:
             continue
         if not listeners:
             yield f"Nothing puts transforms into {buffer}: create a listener in __init__, {call}."
-        elif all(isinstance(one.args[0], ast.Call) for one in listeners if one.args):
+        elif all(isinstance(listener.args[0], ast.Call) for listener in listeners if listener.args):
             yield f"{quote(listeners[0])} fills another buffer than {buffer}: write {call}."
 
 
@@ -133,7 +133,7 @@ def pairs_of(node: ast.Assign) -> list[tuple[ast.expr, ast.expr]]:
 
 def _odd_parameter_callbacks(cls: ast.ClassDef) -> Iterator[str]:
     """Yield a sentence for each parameter callback that does not return a result at its end."""
-    methods = {one.name: one for one in cls.body if isinstance(one, Function)}
+    methods = {f.name: f for f in cls.body if isinstance(f, Function)}
     result = "return SetParametersResult(successful=True)"
     for node in ast.walk(cls):
         match node:
@@ -161,7 +161,9 @@ def _may_end_without_return(block: Sequence[ast.stmt]) -> bool:
         case ast.With(body=body):
             return _may_end_without_return(body)
         case ast.Try(body=body, handlers=handlers, orelse=orelse):
-            return any(_may_end_without_return(one) for one in (orelse or body, *(h.body for h in handlers)))
+            return any(
+                _may_end_without_return(part) for part in (orelse or body, *(h.body for h in handlers))
+            )
         # A loop that ends with return has a slip of its own.
         case ast.For(body=body):
             return _may_end_without_return(body)
@@ -219,8 +221,8 @@ def _fields_of_node(cls: ast.ClassDef) -> Iterator[str]:
             continue
         created = [
             found
-            for one in ast.walk(function)
-            if isinstance(one, ast.stmt) and (found := created_object(one))[0]
+            for node in ast.walk(function)
+            if isinstance(node, ast.stmt) and (found := created_object(node))[0]
         ]
         for node in ast.walk(function):
             match node:

@@ -38,7 +38,7 @@ def _integer_quotients(function: Function) -> Iterator[str]:
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=value) if name in counts:
                 inner.append(value)
-        whole |= {id(part) for one in inner for part in ast.walk(one)}
+        whole |= {id(part) for node in inner for part in ast.walk(node)}
     for node in ast.walk(function):
         match node:
             case ast.BinOp(op=ast.FloorDiv()) if id(node) not in whole:
@@ -63,8 +63,8 @@ def _is_scaled(node: ast.expr) -> bool:
     match node:
         case ast.BinOp(op=ast.Mult(), left=left, right=right):
             return any(
-                isinstance(one, ast.Constant) and isinstance(one.value, float) and one.value % 1
-                for one in (left, right)
+                isinstance(factor, ast.Constant) and isinstance(factor.value, float) and factor.value % 1
+                for factor in (left, right)
             )
     return False
 
@@ -92,7 +92,7 @@ def _integer_arrays(function: Function) -> Iterator[str]:
     for node in ast.walk(function):
         match node:
             case ast.Assign(targets=targets, value=value) if _may_be_fraction(value):
-                parts = [part for one in targets for part in getattr(one, "elts", [one])]
+                parts = [part for target in targets for part in getattr(target, "elts", [target])]
                 for part in parts:
                     match part:
                         case ast.Subscript(value=ast.Name(id=name)) if name in created:
@@ -110,9 +110,9 @@ def _has_integers(call: ast.Call) -> bool:
         case ast.Call(
             func=ast.Attribute(attr="array" | "asarray"), args=[ast.List() | ast.Tuple() as items, *_]
         ):
-            numbers = [one for one in ast.walk(items) if isinstance(one, ast.Constant)]
-            has_names = any(isinstance(one, ast.Name | ast.Call) for one in ast.walk(items))
-            whole = bool(numbers) and all(type(one.value) is int for one in numbers) and not has_names
+            numbers = [node for node in ast.walk(items) if isinstance(node, ast.Constant)]
+            has_names = any(isinstance(node, ast.Name | ast.Call) for node in ast.walk(items))
+            whole = bool(numbers) and all(type(number.value) is int for number in numbers) and not has_names
             return _integer_type(call) or (whole and not _has_type(call))
         case ast.Call(func=ast.Attribute(attr=name)) if name in _FILLED:
             return _integer_type(call)
@@ -120,13 +120,13 @@ def _has_integers(call: ast.Call) -> bool:
 
 
 def _has_type(call: ast.Call) -> bool:
-    return len(call.args) > 1 or any(one.arg == "dtype" for one in call.keywords)
+    return len(call.args) > 1 or any(keyword.arg == "dtype" for keyword in call.keywords)
 
 
 def _integer_type(call: ast.Call) -> bool:
     """Return whether a call passes a type of integers."""
-    passed = [*call.args[1:], *(one.value for one in call.keywords if one.arg == "dtype")]
-    return any(_INTEGER_TYPE.fullmatch(ast.unparse(one)) for one in passed)
+    passed = [*call.args[1:], *(keyword.value for keyword in call.keywords if keyword.arg == "dtype")]
+    return any(_INTEGER_TYPE.fullmatch(ast.unparse(argument)) for argument in passed)
 
 
 def _may_be_fraction(value: ast.expr) -> bool:
@@ -142,10 +142,10 @@ def _may_be_fraction(value: ast.expr) -> bool:
             return any(map(_may_be_fraction, items))
     parts = list(ast.walk(value))
     return any(
-        isinstance(one, ast.Div | ast.Attribute)
-        or (isinstance(one, ast.Constant) and isinstance(one.value, float))
-        or (isinstance(one, ast.BinOp) and not isinstance(one.op, ast.FloorDiv | ast.Mod))
-        for one in parts
+        isinstance(part, ast.Div | ast.Attribute)
+        or (isinstance(part, ast.Constant) and isinstance(part.value, float))
+        or (isinstance(part, ast.BinOp) and not isinstance(part.op, ast.FloorDiv | ast.Mod))
+        for part in parts
     )
 
 
@@ -167,12 +167,12 @@ def _cuts_values(call: ast.Call) -> bool:
 def _is_index(function: Function, call: ast.Call) -> bool:
     """Return whether the result of a call is an index, or is assigned to a variable that is one."""
     names = {
-        target.id
+        name.id
         for node in ast.walk(function)
         if isinstance(node, ast.Assign) and any(part is call for part in ast.walk(node.value))
-        for one in node.targets
-        for target in ast.walk(one)
-        if isinstance(target, ast.Name)
+        for target in node.targets
+        for name in ast.walk(target)
+        if isinstance(name, ast.Name)
     }
     return any(
         part is call or (isinstance(part, ast.Name) and part.id in names)
@@ -184,16 +184,16 @@ def _is_index(function: Function, call: ast.Call) -> bool:
 
 def _nanoseconds(function: Function) -> Iterator[str]:
     """Yield a sentence for each number of nanoseconds that is used as a number of seconds."""
-    numbers = [one.value for one in ast.walk(function) if isinstance(one, ast.Constant)]
-    is_converted = any(type(one) in (int, float) and one in _NANO for one in numbers) or any(
-        ast.unparse(one) == "10 ** 9" for one in ast.walk(function) if isinstance(one, ast.BinOp)
+    numbers = [node.value for node in ast.walk(function) if isinstance(node, ast.Constant)]
+    is_converted = any(type(n) in (int, float) and n in _NANO for n in numbers) or any(
+        ast.unparse(node) == "10 ** 9" for node in ast.walk(function) if isinstance(node, ast.BinOp)
     )
     if is_converted:
         return
     for node in ast.walk(function):
         match node:
             case ast.BinOp(op=ast.Add(), left=left, right=right) if _ends_with(left, "sec") and any(
-                _ends_with(one, "nanosec") for one in ast.walk(right)
+                _ends_with(node, "nanosec") for node in ast.walk(right)
             ):
                 yield (
                     f"{quote(node)} is not a number of seconds: nanosec counts billionths, so "
@@ -204,7 +204,7 @@ def _nanoseconds(function: Function) -> Iterator[str]:
         ast.unparse(target)
         for node in ast.walk(function)
         if isinstance(node, ast.Assign)
-        and any(_ends_with(one, "nanoseconds") for one in ast.walk(node.value))
+        and any(_ends_with(part, "nanoseconds") for part in ast.walk(node.value))
         for target in node.targets
     }
     for node in ast.walk(function):
@@ -238,7 +238,7 @@ def _filtered_indices(function: Function) -> Iterator[str]:
             ) if item == other:
                 chosen.add(name)
             case ast.Assign(targets=[ast.Name(id=name)], value=ast.Subscript(slice=mask)) if any(
-                isinstance(one, ast.Compare) for one in ast.walk(mask)
+                isinstance(node, ast.Compare) for node in ast.walk(mask)
             ):
                 chosen.add(name)
     for node in ast.walk(function):
@@ -284,7 +284,7 @@ def _absolute_times(function: Function) -> Iterator[str]:
             ) in times - subtracted:
                 value = tables.get(limit.id, limit) if isinstance(limit, ast.Name) else limit
                 numbers = [part.value for part in ast.walk(value) if isinstance(part, ast.Constant)]
-                if numbers and all(isinstance(one, int | float) and one < _LONG_AGO for one in numbers):
+                if numbers and all(isinstance(n, int | float) and n < _LONG_AGO for n in numbers):
                     yield (
                         f"{name} counts from 1970 and is never as small as in {quote(node)}: "
                         "subtract the time of the start, which __init__ stores."
@@ -299,7 +299,7 @@ def _covered_limits(function: Function) -> Iterator[str]:
         for statement in block if isinstance(block, list) else []:
             match statement:
                 case ast.If(test=ast.Compare(ops=[_], comparators=[_]) as test):
-                    wider = [one for one in conditions if _covers(one, test)]
+                    wider = [condition for condition in conditions if _covers(condition, test)]
                     if wider:
                         yield (
                             f"{quote(test)} is never true here, because {quote(wider[0])} before "
@@ -316,12 +316,12 @@ def _covered_limits(function: Function) -> Iterator[str]:
 
 def _covers(wider: ast.Compare, other: ast.Compare) -> bool:
     """Return whether one comparison with a number is true whenever another one is."""
-    limits = [one.comparators[0] for one in (wider, other)]
+    limits = [comparison.comparators[0] for comparison in (wider, other)]
     if ast.unparse(wider.left) != ast.unparse(other.left) or not all(
-        isinstance(one, ast.Constant) and type(one.value) in (int, float) for one in limits
+        isinstance(limit, ast.Constant) and type(limit.value) in (int, float) for limit in limits
     ):
         return False
-    first, second = (one.value for one in limits if isinstance(one, ast.Constant))
+    first, second = (limit.value for limit in limits if isinstance(limit, ast.Constant))
     match wider.ops[0], other.ops[0]:
         case (ast.Lt(), ast.Lt()) | (ast.LtE(), ast.Lt() | ast.LtE()):
             return bool(first >= second)  # type: ignore[operator]  # both are numbers

@@ -531,8 +531,8 @@ def _from_version_1(content: Mapping[str, Any]) -> dict[str, Any]:
     submission |= {"path": content.get("file"), "received": when}
     late_policy = {name: content[name] for name in OLD_LATE if name in content}
     attempts = [
-        {"key": one["key"], "received": when, "id_flag": one.get("id_flag", ""), "final": one["final"]}
-        for one in content.get("attempts", ())
+        {"key": old["key"], "received": when, "id_flag": old.get("id_flag", ""), "final": old["final"]}
+        for old in content.get("attempts", ())
     ]
     new = {**content, "submission": submission, "late": late_policy, "attempts": attempts, "version": 1}
     if "tasks" in content:

@@ -78,7 +78,7 @@ def _blocks(function: Function) -> Iterator[Sequence[ast.stmt]]:
         for statement in block:
             if not isinstance(statement, Function | ast.ClassDef):
                 inner = [getattr(statement, name, []) for name in ("body", "orelse", "finalbody")]
-                handlers = [one.body for one in getattr(statement, "handlers", [])]
+                handlers = [handler.body for handler in getattr(statement, "handlers", [])]
                 waiting += filter(None, [*inner, *handlers])
 
 
@@ -133,7 +133,7 @@ def _sets_field(statement: ast.stmt, name: str) -> bool:
     if not isinstance(statement, ast.Assign | ast.AugAssign):
         return False
     targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
-    return any(root_of(part) == name for one in targets for part in getattr(one, "elts", [one]))
+    return any(root_of(part) == name for target in targets for part in getattr(target, "elts", [target]))
 
 
 def root_of(node: ast.AST) -> str:
@@ -146,7 +146,7 @@ def root_of(node: ast.AST) -> str:
 
 def uses(node: ast.AST, name: str) -> bool:
     """Return whether a variable occurs in a statement or an expression."""
-    return any(isinstance(one, ast.Name) and one.id == name for one in ast.walk(node))
+    return any(isinstance(part, ast.Name) and part.id == name for part in ast.walk(node))
 
 
 def _recreations(block: Sequence[ast.stmt]) -> Iterator[str]:
@@ -175,7 +175,7 @@ def _replaced_parts(block: Sequence[ast.stmt]) -> Iterator[str]:
                 kind[0].isupper()
             ):
                 part = f"{ast.unparse(target)}."
-                lost = [one for path, one in stored.items() if path.startswith(part)]
+                lost = [line for path, line in stored.items() if path.startswith(part)]
                 if lost and not _uses_expression(statement.value, part[:-1]):
                     yield (
                         f"{quote(statement)} replaces the whole {target.attr}, and with it what "
@@ -184,15 +184,15 @@ def _replaced_parts(block: Sequence[ast.stmt]) -> Iterator[str]:
         if isinstance(statement, ast.Assign):
             paths = [ast.unparse(target) for target in statement.targets]
             names = {path for path in paths if "." not in path}
-            stored = {path: one for path, one in stored.items() if path.split(".")[0] not in names}
+            stored = {path: line for path, line in stored.items() if path.split(".")[0] not in names}
             stored |= {path: statement for path in paths if "." in path}
         else:
             # Once a message is published, its object may be filled again.
-            stored = {path: one for path, one in stored.items() if not uses(statement, path.split(".")[0])}
+            stored = {path: line for path, line in stored.items() if not uses(statement, path.split(".")[0])}
 
 
 def _uses_expression(node: ast.AST, text: str) -> bool:
-    return any(isinstance(one, ast.expr) and ast.unparse(one) == text for one in ast.walk(node))
+    return any(isinstance(part, ast.expr) and ast.unparse(part) == text for part in ast.walk(node))
 
 
 def _published_variable(statement: ast.AST) -> str:
@@ -208,14 +208,14 @@ def _published_variable(statement: ast.AST) -> str:
 def _late_assignments(block: Sequence[ast.stmt]) -> Iterator[str]:
     for index, statement in enumerate(block):
         name = _published_variable(statement)
-        created = any(created_object(one)[0] == name for one in block[:index])
+        created = any(created_object(earlier)[0] == name for earlier in block[:index])
         later = []
         for after in block[index + 1 :]:
             if created_object(after)[0] == name:
                 break
             if _sets_field(after, name):
                 later.append(after)
-        is_recreated = any(_published_variable(one) == name for one in block[index + 1 :])
+        is_recreated = any(_published_variable(later) == name for later in block[index + 1 :])
         if name and created and later and not is_recreated:
             yield (
                 f"{quote(later[0])} comes after {quote(statement)}: a message is sent as it is "
@@ -231,8 +231,8 @@ def _loops(block: Sequence[ast.stmt], function: str) -> Iterator[str]:
             yield f"return ends the loop of {function} after its first item: move it out of the loop."
         if isinstance(loop.body[-1], ast.Break):
             yield f"break ends the loop of {function} after its first item: leave it out."
-        before = {name.id for one in block[:index] for name in ast.walk(one) if isinstance(name, ast.Name)}
-        inside = {created_object(one)[0] for one in loop.body} - before - {""}
+        before = {name.id for part in block[:index] for name in ast.walk(part) if isinstance(name, ast.Name)}
+        inside = {created_object(statement)[0] for statement in loop.body} - before - {""}
         for later in block[index + 1 :]:
             match later:
                 case ast.Expr(value=ast.Call(func=ast.Attribute(attr=method), args=[ast.Name(id=name)])) if (
@@ -242,8 +242,8 @@ def _loops(block: Sequence[ast.stmt], function: str) -> Iterator[str]:
                         f"{quote(later)} is after the loop and gets only the last {name}: move it "
                         "into the loop."
                     )
-        for name in [name for one in loop.body for name in emptied_names(one)]:
-            if any(uses(one, name) for one in block[index + 1 :]):
+        for name in [name for statement in loop.body for name in emptied_names(statement)]:
+            if any(uses(later, name) for later in block[index + 1 :]):
                 yield f'"{name} = []" in the loop empties the list for each item: move it before the loop.'
 
 
@@ -306,7 +306,7 @@ def _reused_objects(block: Sequence[ast.stmt]) -> Iterator[str]:
         if not isinstance(loop, ast.For):
             continue
         created = dict(filter(lambda found: found[0], map(created_object, block[:index])))
-        inside = {created_object(one)[0] for one in ast.walk(loop) if isinstance(one, ast.stmt)}
+        inside = {created_object(node)[0] for node in ast.walk(loop) if isinstance(node, ast.stmt)}
         for node in ast.walk(loop):
             match node:
                 case ast.Call(func=ast.Attribute(attr="append"), args=[ast.Name(id=name)]) if (
@@ -321,14 +321,14 @@ def _reused_objects(block: Sequence[ast.stmt]) -> Iterator[str]:
 def _shared_parts(block: Sequence[ast.stmt]) -> Iterator[str]:
     """Yield a sentence for each object that a loop changes and assigns to all its items."""
     for index, loop in enumerate(block):
-        if not isinstance(loop, ast.For) or any(_published_variable(one) for one in ast.walk(loop)):
+        if not isinstance(loop, ast.For) or any(_published_variable(node) for node in ast.walk(loop)):
             continue
         created = dict(filter(lambda found: found[0], map(created_object, block[:index])))
-        inside = {created_object(one)[0] for one in ast.walk(loop) if isinstance(one, ast.stmt)}
+        inside = {created_object(node)[0] for node in ast.walk(loop) if isinstance(node, ast.stmt)}
         filled = {
             name
             for name in created
-            if any(_sets_field(one, name) for one in ast.walk(loop) if isinstance(one, ast.stmt))
+            if any(_sets_field(node, name) for node in ast.walk(loop) if isinstance(node, ast.stmt))
         }
         for node in ast.walk(loop):
             match node:
@@ -353,7 +353,7 @@ def _lost_loop_values(block: Sequence[ast.stmt]) -> Iterator[str]:
                 target=ast.Name(id=name),
                 iter=ast.Name(id=items),
                 body=[*_, ast.Assign(targets=[ast.Name(id=stored)], value=value) as last],
-            ) if stored == name and not any(uses(one, name) for one in block[index + 1 :]):
+            ) if stored == name and not any(uses(later, name) for later in block[index + 1 :]):
                 yield (
                     f"{quote(last)} sets the variable of the loop, and {items} stays as it is. "
                     f"Write {items} = [{ast.unparse(value)} for {name} in {items}]."
@@ -376,7 +376,7 @@ def _shrinking_loops(block: Sequence[ast.stmt]) -> Iterator[str]:
                     ) if (
                         ast.unparse(changed) == items
                         # A loop that ends with the removal skips nothing.
-                        and not any(isinstance(one, ast.Break | ast.Return) for one in statements[index:])
+                        and not any(isinstance(later, ast.Break | ast.Return) for later in statements[index:])
                     ):
                         yield (
                             f"{quote(statement)} changes {items} during the loop over it, which "
@@ -478,7 +478,7 @@ def _lost_counts(function: Function) -> Iterator[str]:
     for index, statement in enumerate(function.body):
         match statement:
             case ast.AugAssign(target=ast.Name(id=name), value=ast.Constant() | ast.BinOp()) if (
-                name not in shared and not any(uses(one, name) for one in function.body[index + 1 :])
+                name not in shared and not any(uses(later, name) for later in function.body[index + 1 :])
             ):
                 yield (
                     f"{quote(statement)} changes a variable that ends with {function.name}, and "
@@ -553,7 +553,7 @@ def _is_endless(test: ast.expr) -> bool:
 
 
 def _leaves(body: Sequence[ast.stmt]) -> bool:
-    return any(isinstance(node, ast.Break | ast.Return) for one in body for node in ast.walk(one))
+    return any(isinstance(node, ast.Break | ast.Return) for part in body for node in ast.walk(part))
 
 
 def _calls_own_method(loop: ast.While) -> bool:
@@ -617,10 +617,10 @@ def _idle_lambdas(function: Function) -> Iterator[str]:
     for node in ast.walk(function):
         match node:
             case ast.Call(func=ast.Attribute(attr="create_timer" | "create_subscription"), args=args):
-                for one in args:
-                    if isinstance(one, ast.Lambda) and isinstance(one.body, ast.Attribute):
-                        name = ast.unparse(one.body)
-                        yield f"{quote(one)} does not call {one.body.attr}: pass {name} alone."
+                for argument in args:
+                    if isinstance(argument, ast.Lambda) and isinstance(argument.body, ast.Attribute):
+                        name = ast.unparse(argument.body)
+                        yield f"{quote(argument)} does not call {argument.body.attr}: pass {name} alone."
 
 
 def _other_files(function: Function) -> Iterator[str]:
@@ -683,7 +683,7 @@ def _constant_conditions(function: Function) -> Iterator[str]:
     for node in ast.walk(function):
         match node:
             case ast.BoolOp(op=ast.Or(), values=[ast.Compare() as first, *others]) if fixed := [
-                one for one in others if isinstance(one, ast.Constant) and one.value
+                operand for operand in others if isinstance(operand, ast.Constant) and operand.value
             ]:
                 other = ast.unparse(fixed[0])
                 yield (
@@ -739,7 +739,7 @@ def _number(node: ast.expr) -> float:
 
 def _replaced_parameters(function: Function) -> Iterator[str]:
     """Yield a sentence for each parameter that is set to a fixed value before it is read."""
-    parameters = {one.arg for one in function.args.args}
+    parameters = {argument.arg for argument in function.args.args}
     for index, statement in enumerate(function.body):
         match statement:
             case ast.Assign(targets=[ast.Name() | ast.Tuple() as target], value=value) if _is_literal(value):
@@ -748,7 +748,7 @@ def _replaced_parameters(function: Function) -> Iterator[str]:
             case _:
                 continue
         for name in names:
-            if name in parameters and not any(uses(one, name) for one in function.body[:index]):
+            if name in parameters and not any(uses(earlier, name) for earlier in function.body[:index]):
                 yield (
                     f"{quote(statement)} replaces the {name} that {function.name} gets with each "
                     "call: leave it out."

@@ -176,7 +176,7 @@ class Task:
         _require_tuple(f"{self.id}: hints", self.hints, str)
         _require(len(self.hints) == HINTS, f"{self.id}: {len(self.hints)} hints, expected {HINTS}")
         check_scenarios(self.id, self.scenarios)
-        for check in (one for scenario in self.scenarios for one in scenario.checks):
+        for check in (check for scenario in self.scenarios for check in scenario.checks):
             if check.origin and check.origin.check_function.startswith("expect_launch_"):
                 subject = (
                     f"{self.id}, kind {self.kind!r}: {check.origin.check_function} at {check.origin.location}"

@@ -81,8 +81,8 @@ def _stamps(message: Any) -> Iterator[Any]:
         elif hasattr(value, "get_fields_and_field_types"):
             yield from _stamps(value)
         elif isinstance(value, list) and value and hasattr(value[0], "get_fields_and_field_types"):
-            for one in value:
-                yield from _stamps(one)
+            for element in value:
+                yield from _stamps(element)
 
 
 def move_stamps(message: Any, by_ns: int, near_ns: int) -> Any:
@@ -121,14 +121,12 @@ def _compare_topic(
     in_kit: Sequence[Sample],
     in_ros: Sequence[Sample],
 ) -> TopicComparison:
-    kit_messages, ros_messages = (
-        [serialize(_without_stamps(one)) for one in side] for side in (in_kit, in_ros)
-    )
+    kit_messages, ros_messages = ([serialize(_without_stamps(s)) for s in side] for side in (in_kit, in_ros))
     best: list[tuple[bytes, bytes]] = []
     different: list[tuple[bytes, bytes]] = []
     # The numbers of samples in the first MAX_OFFSET_NS of both recordings.
     early_counts = [
-        sum(one.stamp_ns < side[0].stamp_ns + MAX_OFFSET_NS for one in side) for side in (in_kit, in_ros)
+        sum(s.stamp_ns < side[0].stamp_ns + MAX_OFFSET_NS for s in side) for side in (in_kit, in_ros)
     ]
     limit = max(MAX_OFFSET, *early_counts)
     for offset in sorted(range(-limit, limit + 1), key=abs):
@@ -157,12 +155,12 @@ def _different_field(kit_cdr: bytes, ros_cdr: bytes, type_name: str) -> str:
 
 def _flatten(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
     if isinstance(value, dict):
-        for name, one in value.items():
-            yield from _flatten(one, f"{path}.{name}" if path else str(name))
+        for name, item in value.items():
+            yield from _flatten(item, f"{path}.{name}" if path else str(name))
     elif isinstance(value, list):
         yield f"{path}.length", len(value)
-        for index, one in enumerate(value):
-            yield from _flatten(one, f"{path}[{index}]")
+        for index, item in enumerate(value):
+            yield from _flatten(item, f"{path}[{index}]")
     else:
         yield path, value
 
@@ -226,7 +224,7 @@ class RealResult:
             note = " (timing: not counted)" if is_timing else ""
             titles.setdefault((mark, about + note), []).append(check.title)
         rows += [f"  {mark} {'; '.join(names)}{about}" for (mark, about), names in titles.items()]
-        rows += [f"  {one}" for one in self.comparisons]
+        rows += [f"  {comparison}" for comparison in self.comparisons]
         return rows
 
 
@@ -303,7 +301,9 @@ def _check(
     timing = [_is_timing(check) for run in runs for check in run.scenario.checks]
     rows = zip(result.checks, timing, strict=True)
     # On a busy computer late messages leave gaps, so checks that find one are not counted.
-    checks = tuple((one, is_timing or (not one.passed and one.mistake in GAPS)) for one, is_timing in rows)
+    checks = tuple(
+        (check, is_timing or (not check.passed and check.mistake in GAPS)) for check, is_timing in rows
+    )
     return RealResult(task, "", checks, result.errors, tuple(comparisons), tuple(sorted(packages)))
 
 
@@ -321,7 +321,7 @@ def _module_text(
     Raises:
         CourseError: No cell defines the task, or it uses course_lib, which robots do not have.
     """
-    root = next((one for one in reversed(code) if task.name in one.bindings and not one.is_import), None)
+    root = next((s for s in reversed(code) if task.name in s.bindings and not s.is_import), None)
     if root is None:
         raise CourseError(f"no cell defines {task.name}.")
     parts = [part for part in collect_needed_statements(root, code, []) if part.text != MY_VALUES]
@@ -336,7 +336,9 @@ def _without_timing(scenario: Scenario) -> Scenario:
     """Return a scenario whose checks do not require checks of times."""
 
     def keep(check: Check) -> Check:
-        return replace(check, requires=tuple(keep(one) for one in check.requires if not _is_timing(one)))
+        return replace(
+            check, requires=tuple(keep(other) for other in check.requires if not _is_timing(other))
+        )
 
     return replace(scenario, checks=tuple(keep(check) for check in scenario.checks))
 
@@ -372,13 +374,13 @@ class ScenarioOnRos:
         self._input_node = graph.add_node(INPUT_NODE, "/")
         graph.tap(self._record)
         inputs = [self._publisher(graph, message) for message in self._scenario.inputs]
-        services = {one.topic for one in self._scenario.inputs if one.type_name == SET_PARAMETERS}
+        services = {m.topic for m in self._scenario.inputs if m.type_name == SET_PARAMETERS}
         for service in services:
             self._watch_rejections(graph, service)
         begin_ns = graph.now_ns
         try:
             with use_graph(graph), outputs[0].open("w") as out, outputs[1].open("w") as err:
-                topics = [one.topic for one in self._scenario.inputs if "/srv/" not in one.type_name]
+                topics = [m.topic for m in self._scenario.inputs if "/srv/" not in m.type_name]
                 programs.start(module, topics, subject=self._task.name, streams=(out, err))
                 begin_ns = self._wait_for_begin(graph, programs, outputs[0]) or begin_ns
                 for publish, message in zip(inputs, self._scenario.inputs, strict=True):

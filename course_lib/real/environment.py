@@ -75,7 +75,7 @@ class RealEnvironment:
     @cached_property
     def packages(self) -> list[str]:
         """The Python packages in the environment."""
-        return [one.name for one in self._packages_folder.iterdir()] if self._packages_folder else []
+        return [path.name for path in self._packages_folder.iterdir()] if self._packages_folder else []
 
     def problem(self) -> str:
         """Return the first pinned package that is missing, damaged or has a different version, or ""."""

@@ -307,8 +307,8 @@ def run_on_ros(
         finally:
             programs.end(graph.advance)
             graph.close()
-        for topic, one in sorted(traffic.items()):
-            print_to_stderr(f"  {topic} [{one.type_name}]: {one}")
+        for topic, of_topic in sorted(traffic.items()):
+            print_to_stderr(f"  {topic} [{of_topic.type_name}]: {of_topic}")
         if not traffic:
             print_to_stderr("  Nothing was published.")
         kits = programs.kit_packages()

@@ -70,7 +70,7 @@ def _add_own_packages(programs: Iterable[Path]) -> list[str]:
     ros_packages = {name.partition("/")[0] for name in field_definitions()}
     folders = {name: folder for name, folder in packages().items() if has_interfaces(folder)}
     for parent in {program.resolve().parent for program in programs}:
-        folders |= {one.name: one for one in parent.iterdir() if one.is_dir() and has_interfaces(one)}
+        folders |= {path.name: path for path in parent.iterdir() if path.is_dir() and has_interfaces(path)}
     problems = []
     for name, folder in folders.items():
         try:
@@ -99,7 +99,7 @@ def _describe(name: str) -> dict[str, Any]:
 def _default(field: FieldDefinition) -> Any:
     is_float = field.base in PRIMITIVES and PRIMITIVES[field.base].python is float
     if is_float:
-        return [float(one) for one in field.default] if field.container != "scalar" else float(field.default)
+        return [float(x) for x in field.default] if field.container != "scalar" else float(field.default)
     return field.default
 
 

@@ -603,14 +603,16 @@ def _check_bag(path: Path) -> None:
 def _samples(reader: "Reader") -> list[Sample]:
     # Connections of rosbag2 bags, whose ext has the QoS.
     connections: list[Any] = reader.connections
-    for one in connections:
-        if one.msgdef.format.name == "MSG":
-            add_stored_definition(one.msgtype, one.msgdef.data)
-    qos_profiles = {one.id: from_bag(one.ext.offered_qos_profiles) for one in connections}
+    for topic in connections:
+        if topic.msgdef.format.name == "MSG":
+            add_stored_definition(topic.msgtype, topic.msgdef.data)
+    qos_profiles = {topic.id: from_bag(topic.ext.offered_qos_profiles) for topic in connections}
     samples: list[Sample] = []
-    for one, stamp_ns, cdr in reader.messages():
+    for topic, stamp_ns, cdr in reader.messages():
         _check_stamp(stamp_ns)
-        samples.append(Sample(stamp_ns, one.topic, one.msgtype, bytes(cdr), qos_profiles[one.id], node=0))
+        samples.append(
+            Sample(stamp_ns, topic.topic, topic.msgtype, bytes(cdr), qos_profiles[topic.id], node=0)
+        )
     return samples
 
 
@@ -769,7 +771,7 @@ def recorded(
         return
     with record(graph) as recorder:
         yield
-    samples = [one for sample in recorder.recording().samples for one in stamp_samples(sample)]
+    samples = [stamped for sample in recorder.recording().samples for stamped in stamp_samples(sample)]
     # Stamps may decrease if a simulation was reset.
     samples.sort(key=lambda sample: sample.stamp_ns)
     write_bag(Recording(tuple(s for s in samples if chosen(s.topic, s.type_name))), folder)
@@ -791,7 +793,7 @@ class _SimTime:
             self._latched += [sample] if sample.qos.is_latched else []
             return []
         ready, self._latched = [*self._latched, sample], []
-        return [replace(one, stamp_ns=self._now_ns) for one in ready]
+        return [replace(sample, stamp_ns=self._now_ns) for sample in ready]
 
 
 class _LiveBag:
@@ -837,8 +839,8 @@ class _LiveBag:
             raise self._problem
 
     def _on_sample(self, sample: Sample) -> None:
-        for one in self._stamp_samples(sample):
-            self._take(one)
+        for stamped in self._stamp_samples(sample):
+            self._take(stamped)
 
     def _take(self, sample: Sample) -> None:
         if self._problem is not None:

@@ -409,7 +409,7 @@ def arm_of(robot: Robot, link: str) -> Arm:
         at = motions.above[at]
     limits = np.array([_limits(joint) for joint in motions.joints]).reshape(-1, 2)
     factors, offsets = _mimic_matrices(robot.tree, motions)
-    driven_joints = [int(one) for number in chain for one in np.flatnonzero(factors[number])]
+    driven_joints = [int(joint) for number in chain for joint in np.flatnonzero(factors[number])]
     return Arm(
         motions, chain, list(dict.fromkeys(driven_joints)), limits[:, 0], limits[:, 1], factors, offsets
     )
@@ -493,7 +493,7 @@ def straight_line(
         joints.append(joints_for(robot, link, pose, joints[-1]))
     # Controllers accept no commands for mimic joints.
     names = [name for name in joints[-1] if not robot.tree.joints[name].mimic]
-    positions = np.array([[one.get(name, 0.0) for name in names] for one in joints])
+    positions = np.array([[values.get(name, 0.0) for name in names] for values in joints])
     velocities = np.gradient(positions, times, axis=0)
     velocities[[0, -1]] = 0.0
     for name, speed in zip(names, np.abs(velocities).max(axis=0), strict=True):

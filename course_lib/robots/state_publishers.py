@@ -202,7 +202,7 @@ class JointStatePublisher(Node):
             _move(joint, delta)
         for kind in _KINDS:
             known_values = {
-                name: value for name, one in self.joints.items() if (value := getattr(one, kind)) is not None
+                name: value for name, j in self.joints.items() if (value := getattr(j, kind)) is not None
             }
             # Dependent joints have positions even if the position of no other joint is known.
             if known_values or (kind == "position" and len(self.joints) < len(self._mimics)):

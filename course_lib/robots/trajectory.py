@@ -235,15 +235,15 @@ class TrajectoryGoal:
 def _tolerances(field: str, given: Iterable[JointTolerance], joints: Sequence[str]) -> Floats:
     """Return the tolerances of all joints, [rad] or [m]; infinite if none is given."""
     tolerances: Floats = np.full(len(joints), np.inf)
-    for one in given:
-        if one.name not in joints:
-            raise CourseError(f"joint '{one.name}' specified in goal.{field} does not exist.")
-        if one.position < 0 and one.position != ERASED:
+    for tolerance in given:
+        if tolerance.name not in joints:
+            raise CourseError(f"joint '{tolerance.name}' specified in goal.{field} does not exist.")
+        if tolerance.position < 0 and tolerance.position != ERASED:
             raise CourseError(
-                f"joint '{one.name}' specified in goal.{field} has a invalid position tolerance."
+                f"joint '{tolerance.name}' specified in goal.{field} has a invalid position tolerance."
             )
-        if one.position > 0:
-            tolerances[list(joints).index(one.name)] = one.position
+        if tolerance.position > 0:
+            tolerances[list(joints).index(tolerance.name)] = tolerance.position
     return tolerances
 
 

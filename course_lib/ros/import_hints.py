@@ -105,7 +105,9 @@ def module_hint(error: ModuleNotFoundError) -> str:
     kind, imported = inner.partition(".")[0], _imported_name(error)
     if kind in ("msg", "srv", "action") and (line := near_names.import_of_interface(imported, package)):
         return f"it is elsewhere: `{line}`."
-    if folder := next((one for one in Path.cwd().parents[:3] if (one / f"{package}.py").is_file()), None):
+    if folder := next(
+        (above for above in Path.cwd().parents[:3] if (above / f"{package}.py").is_file()), None
+    ):
         return f"{package}.py is in the folder {folder.name}: move this file there, or copy it to here."
     if re.fullmatch(r"week\d\d_\w+", package):
         return f"{package}.py is next to its lesson: open the notebook there, or copy the file to here."

@@ -153,7 +153,7 @@ def content_policy(
         connect: Where scripts may connect to.
     """
     hashes = [base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in scripts]
-    sources = [f"'sha256-{one}'" for one in hashes]
+    sources = [f"'sha256-{digest}'" for digest in hashes]
     sources += ["'unsafe-eval'"] * has_scenes + ["'strict-dynamic'"] * loads_viewer
     return _POLICY.format(scripts=" ".join(sources) or "'none'", connect=connect)
 

@@ -55,8 +55,8 @@ def textured_mesh(
         transform: The transform from the geometry to the object's node, shape (4, 4).
     """
     surface = _SURFACES.get(str(geometry.get("type")))
-    texture: Json = next((one for one in json.get("textures", ()) if one["uuid"] == material.get("map")), {})
-    image: Json = next((one for one in json.get("images", ()) if one["uuid"] == texture.get("image")), {})
+    texture: Json = next((t for t in json.get("textures", ()) if t["uuid"] == material.get("map")), {})
+    image: Json = next((i for i in json.get("images", ()) if i["uuid"] == texture.get("image")), {})
     url = str(image.get("url", ""))
     if surface is None or not url.startswith("data:image/") or _PREFIX not in url:
         return None
@@ -119,7 +119,7 @@ def _box(box: Json) -> Surface:
 
         return _grid(place)
 
-    return _merge_surfaces(*(side(*one) for one in sides))
+    return _merge_surfaces(*(side(*axes) for axes in sides))
 
 
 def _sphere(ball: Json) -> Surface:

@@ -196,11 +196,13 @@ def select_readable(
     for path in map(os.path.realpath, existing):
         if path in course:
             raise CourseError(f"submissions must not read {path}, but Python needs it to run them: move it")
-        conflict = next((one for one in course if _contains(path, one) and path not in shared), conflict)
+        conflict = next(
+            (place for place in course if _contains(path, place) and path not in shared), conflict
+        )
         is_package = any(_contains(folder, path) and folder != path for folder in shared)
         paths.update(_exclude(path, [*course, *handed_out, *([] if is_package else shared)]))
     looked_in = map(os.path.realpath, [*folders, KIT])
-    listed_folders = [path for path in looked_in if not any(_contains(path, one) for one in course)]
+    listed_folders = [path for path in looked_in if not any(_contains(path, place) for place in course)]
     links = dict(link for path in existing for link in symlinks_along(path))
     # These are the links, not their targets.
     links |= {path: os.readlink(path) for path in paths if os.path.islink(path)}
@@ -238,7 +240,7 @@ def _exclude(path: str, refused: Collection[str]) -> list[str]:
     """Return the path or, if it contains refused paths, the remaining entries around them."""
     if path in refused:
         return []
-    if not any(_contains(path, one) for one in refused):
+    if not any(_contains(path, other) for other in refused):
         return [path]
     return [
         remaining_path

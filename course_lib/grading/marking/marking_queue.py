@@ -211,8 +211,8 @@ class MarkingQueue:
             now = time.monotonic()
             key = self._pages[page][0] if key is None and page in self._pages else key or ""
             self._pages[page] = (key, person, now)
-            self._pages = {one: at for one, at in self._pages.items() if now - at[2] < PRESENT}
-            return {at[0]: at[1] for one, at in self._pages.items() if one != page and at[0]}
+            self._pages = {other: at for other, at in self._pages.items() if now - at[2] < PRESENT}
+            return {at[0]: at[1] for other, at in self._pages.items() if other != page and at[0]}
 
     def item(self, key: str) -> QueueItem:
         """Return an item in its current state on the disk.
@@ -407,10 +407,10 @@ def mark_without_file(
     """
     entry = MarkEntry(None, withdraw=True) if withdraw else MarkEntry(_number(points), "", comment or None)
     catalog = store.catalog_of(course or store.this_course())
-    weeks = {week: one for week, one in catalog.course.weeks.items() if one.points}
+    weeks = {week: settings for week, settings in catalog.course.weeks.items() if settings.points}
     week = normalise(exercise).removesuffix("_exercise")
     if week not in weeks:
-        known_exercises = ", ".join(f"{one}_exercise" for one in weeks)
+        known_exercises = ", ".join(f"{week}_exercise" for week in weeks)
         raise CourseError(f"there is no exercise {exercise!r}; exercises with points: {known_exercises}")
     student, exercise = normalise(student), f"{week}_exercise"
     path = store.result_path(out, student, exercise)
@@ -464,7 +464,7 @@ def known_name(name: str, folder: Path, kind: str) -> str:
         CourseError: It does not exist; the message suggests similar names.
     """
     names = sorted(path.stem if path.is_file() else path.name for path in folder.glob("[!.]*"))
-    by_spelling = {_normalize(one): one for one in names}
+    by_spelling = {_normalize(spelling): spelling for spelling in names}
     for spelling in (_normalize(name), _normalize(f"{name}_{kind}")):
         if spelling in by_spelling:
             return by_spelling[spelling]

@@ -131,8 +131,8 @@ def _stage_all(
 def _student(name: str, members: Sequence[Member]) -> str:
     """Return the ID of the student with the longest login at the end of a clone's name, or ""."""
     folded_name = name.casefold()
-    fits = [one for one in members if one.login and f"-{folded_name}".endswith(f"-{one.login}")]
-    return max(fits, key=lambda one: len(one.login)).id if fits else ""
+    fits = [m for m in members if m.login and f"-{folded_name}".endswith(f"-{m.login}")]
+    return max(fits, key=lambda member: len(member.login)).id if fits else ""
 
 
 def _exercise_folder(clone: Path) -> Path:

@@ -215,7 +215,7 @@ def _read_upload(path: Path, course: Course) -> Upload:
         emails = [str(user.get("email") or "").casefold() for user in users]
     except (OSError, ValueError, LookupError, TypeError) as error:
         raise CourseError(f"{path} can't be read: {error!r}. Gradescope writes it") from error
-    student = next((one.id for email in emails for one in members if email and one.email == email), "")
+    student = next((m.id for email in emails for m in members if email and m.email == email), "")
     unknown_address = ", ".join(filter(None, emails)) or "no address" if members and not student else ""
     return Upload(student or normalise(f"{UNKNOWN}{number}"), bool(student), created, unknown_address)
 
@@ -241,7 +241,7 @@ def _collect(submission: Path, upload: Upload, work: Path, course: Course) -> se
     if not collection.count:
         return set()
     write_receipts(top, {upload.student: PlatformTime(upload.time, METADATA, upload.named)})
-    return {one.exercise for one in find_submissions(top, zone=zone)}
+    return {submission.exercise for submission in find_submissions(top, zone=zone)}
 
 
 def _without_personal_points(

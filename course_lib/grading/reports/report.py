@@ -316,15 +316,15 @@ def _select_results(
     require_results(out)
     exercise = full_exercise_name(exercise)
     results = list(results_in(out))
-    known_exercises = sorted({one.exercise for one in results})
+    known_exercises = sorted({result.exercise for result in results})
     if exercise and exercise not in known_exercises:
         raise CourseError(
             f"{out} has no results for --exercise {exercise}; it has {', '.join(known_exercises)}"
         )
     selected = [
-        one
-        for one in results
-        if exercise in ("", one.exercise) and (students is None or one.student in students)
+        result
+        for result in results
+        if exercise in ("", result.exercise) and (students is None or result.student in students)
     ]
     if not selected:
         raise CourseError(f"{out} has no results of {exercise or 'any exercise'} of this section's students")
@@ -337,7 +337,7 @@ def _find_reports(
     """Return a line for each report that is left out, and the other reports by exercise."""
     ready, lines = defaultdict[str, Reports](dict), list[str]()
     names_by_result = {
-        id(one): _find_platform_name(one.result.submission.received.handed_in_as, form) for one in results
+        id(r): _find_platform_name(r.result.submission.received.handed_in_as, form) for r in results
     }
     if not any(names_by_result.values()):
         raise CourseError(
@@ -346,14 +346,15 @@ def _find_reports(
             f"grade submissions --out {out} --resume"
         )
     shared = Counter(
-        (one.exercise, name) for one in results if (name := _report_name(one, names_by_result[id(one)], form))
+        (r.exercise, name) for r in results if (name := _report_name(r, names_by_result[id(r)], form))
     )
-    for one in results:
-        name, platform_file = _report_name(one, names_by_result[id(one)], form), names_by_result[id(one)]
-        if why := _exclusion_reason(one, shared[one.exercise, name], name):
-            lines.append(f"left out: {one.student} {one.exercise}: {why}")
+    for result in results:
+        platform_file = names_by_result[id(result)]
+        name = _report_name(result, platform_file, form)
+        if why := _exclusion_reason(result, shared[result.exercise, name], name):
+            lines.append(f"left out: {result.student} {result.exercise}: {why}")
         elif platform_file:
-            ready[one.exercise][name] = (one.result, platform_file)
+            ready[result.exercise][name] = (result.result, platform_file)
     return lines, ready
 
 
@@ -434,20 +435,20 @@ def show_hidden_checks(
     catalog = store.catalog_of(course or store.this_course())
     with store.lock_folder(out, say), store.writing(out):
         every = list(results_in(out))
-        results = [one for one in every if one.exercise == exercise]
+        results = [result for result in every if result.exercise == exercise]
         if not results:
-            known_exercises = ", ".join(sorted({one.exercise for one in every}))
+            known_exercises = ", ".join(sorted({result.exercise for result in every}))
             raise CourseError(f"{out} has no results for --exercise {exercise}; it has {known_exercises}")
-        waiting = [one.student for one in results if one.row.status in OPEN]
+        waiting = [result.student for result in results if result.row.status in OPEN]
         if is_final and waiting:
             raise CourseError(
                 f"{format_count(len(waiting), 'open mark')} of {exercise} "
                 f"({join_few(waiting)}): mark or grade them first; gradebook.csv has the reasons"
             )
         exercises = store.final_exercises(out) - {exercise} | ({exercise} if is_final else set())
-        content = "".join(f"{one}\n" for one in sorted(exercises))
+        content = "".join(f"{name}\n" for name in sorted(exercises))
         write_atomically(store.final_path(out), content.encode())
-        for one in results:
-            report(one.result, out, catalog)
+        for result in results:
+            report(result.result, out, catalog)
     effect = "show hidden checks" if is_final else "hide hidden checks again"
     return f"{format_count(len(results), 'report')} of {exercise}: they {effect}, also after grading again"

@@ -200,8 +200,8 @@ def _task_rows(result: MarkedResult) -> Iterator[tuple[Any, ...]]:
 def analyse(exercise: str, results: Sequence[MarkedResult], out: Path) -> Analysis:
     """Return the item analysis of one exercise."""
     task_results = [result.result.tasks for result in results if result.result.tasks]
-    marks = [one.row.mark for one in results if one.row.mark]
-    keys = [one.result.attempts[-1].key for one in results if one.result.tasks]
+    marks = [result.row.mark for result in results if result.row.mark]
+    keys = [result.result.attempts[-1].key for result in results if result.result.tasks]
     usages = [read_usage(out, key) for key in keys]
     return Analysis(
         exercise,
@@ -310,7 +310,7 @@ def review_reasons(results: Iterable[MarkedResult], out: Path) -> list[Concern]:
     )
     for result in results:
         is_held = result.row.status == "needs_marking"
-        for flag in (one for one in flags(result, alike) if one.kind != MISMATCH or is_held):
+        for flag in (flag for flag in flags(result, alike) if flag.kind != MISMATCH or is_held):
             students_by_kind[flag.kind].append(f"{result.student} {result.exercise}")
             pages[flag.kind] |= {flag.link.split("#")[0]} - {""}
     return [
@@ -358,8 +358,8 @@ def write_index(out: Path, zone: ZoneInfo, results: Sequence[MarkedResult]) -> P
         headings=[heading for _, heading in INDEX_COLUMNS],
         lines=[{**_line(result, out, zone), "flags": flags(result, alike)} for result in results],
         concerns=review_reasons(results, out),
-        counts=sorted(Counter(one.row.status for one in results).items()),
-        isolations=Counter(one.result.isolation for one in results).most_common(),
+        counts=sorted(Counter(result.row.status for result in results).items()),
+        isolations=Counter(result.result.isolation for result in results).most_common(),
         failures=[row for row in failures if row["failed"]],
         never=sum(not row["failed"] for row in failures),
         zone=zone.key,

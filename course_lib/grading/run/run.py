@@ -95,7 +95,7 @@ def plan_scenarios(tasks: Sequence[Task], catalog: Catalog, *, hidden: bool) -> 
     public = [(task, task.scenarios or ANSWER * (task.kind == "written")) for task in tasks]
     steps = [Step(task, scenario) for task, scenarios in public for scenario in scenarios]
     if hidden:
-        steps += [Step(task, one, hidden=True) for task in tasks for one in catalog.hidden.get(task.id, ())]
+        steps += [Step(task, s, hidden=True) for task in tasks for s in catalog.hidden.get(task.id, ())]
     return tuple(steps)
 
 
@@ -239,7 +239,7 @@ def pack(result: ExerciseRun) -> bytes:
         "version": VERSION,
         "isolation": result.isolation.layers,
         "log": result.log,
-        "evidence": [one.evidence for one in result.runs],
+        "evidence": [run.evidence for run in result.runs],
     }
     return gzip.compress(msgpack.packb(content, default=_fields_of), LEVEL, mtime=0)
 

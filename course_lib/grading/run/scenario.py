@@ -102,7 +102,7 @@ class ScenarioGraph:
             if is_request:
                 publish = partial(self._request, publish, message)
             self.graph.call_at(due_ns, publish, node=self._input_node, entity=endpoint)
-        parameter_services = {one.topic for one in scenario.inputs if one.type_name == SET_PARAMETERS}
+        parameter_services = {m.topic for m in scenario.inputs if m.type_name == SET_PARAMETERS}
         for service in sorted(parameter_services):
             self._record_rejections(service)
         calls = [plain(resolve((call.args, call.kwargs), personal)) for call in scenario.calls]
@@ -141,7 +141,7 @@ class ScenarioGraph:
         """Send a request, or record what `ros2 param set` prints if the node does not exist."""
         publish()
         node, _, service = message.topic.removeprefix(SERVICE_TOPICS[0][0]).rpartition("/")
-        is_served = any(one.kind == "sub" for one in self.graph.endpoints_on(message.topic))
+        is_served = any(endpoint.kind == "sub" for endpoint in self.graph.endpoints_on(message.topic))
         if not is_served and service.startswith("set_parameters"):
             texts = [f"At {message.at:.2f} s: {NO_NODE} {node}\n"]
             self._rejections += texts[: MOST_REJECTIONS - len(self._rejections)]

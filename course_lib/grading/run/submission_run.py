@@ -76,10 +76,10 @@ class WaitingTime:
         """Return the extension [s] of a limit that was just reached, or 0 if no thread waited."""
         # The extension is the longest waiting time of a thread, without times in which another one
         # ran.
-        spent = {n: one.after(self._times_at_start.get(n, ThreadTimes())) for n, one in _threads(self._top)}
+        spent = {n: t.after(self._times_at_start.get(n, ThreadTimes())) for n, t in _threads(self._top)}
         own_wait = spent.pop(OWN_THREAD, ThreadTimes()).waited
-        ran = sum(one.ran for one in spent.values())
-        longest = max((one.waited for one in spent.values()), default=0.0)
+        ran = sum(times.ran for times in spent.values())
+        longest = max((times.waited for times in spent.values()), default=0.0)
         more = (
             min(min(own_wait + longest, wall.monotonic() - self._since - ran), self._max_bytes) - self.granted
         )

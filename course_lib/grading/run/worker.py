@@ -216,7 +216,7 @@ def cpu_seconds() -> float:
     The module `time` is no substitute: it has robot time here.
     """
     resources = [resource.getrusage(target) for target in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    return sum(one.ru_utime + one.ru_stime for one in resources)
+    return sum(usage.ru_utime + usage.ru_stime for usage in resources)
 
 
 def running_threads() -> int:

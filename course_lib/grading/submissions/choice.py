@@ -202,9 +202,9 @@ def _choose_for_owner(
     choice.lines += _lines([*set_aside, *untouched], exercise)
     expected_exercises |= {_expected_exercise(file.download_name, exercise) for file in refused}
     missing = sorted(expected_exercises - {item.exercise for item in kept_items} - {ANY, ""})
-    for one in missing if not kept_items else ():
+    for name in missing if not kept_items else ():
         reasons = [f"{file.name}: {file.reason}" for file in refused]
-        reasons += [f"{item.download_name.below[-1]}: {_exclusion_reason(item, one)}" for item in set_aside]
+        reasons += [f"{item.download_name.below[-1]}: {_exclusion_reason(item, name)}" for item in set_aside]
         reasons += [
             f"{item.download_name.below[-1]}: a file without a notebook"
             for item in items
@@ -214,8 +214,8 @@ def _choose_for_owner(
         more = (
             f"; and {format_count(len(reasons) - MOST_NAMED, 'other')}" if len(reasons) > MOST_NAMED else ""
         )
-        why = f"{'; '.join(reasons[:MOST_NAMED])}{more}. {ADVICE.format(one)}"
-        choice.rejected.append((download_name, one, why))
+        why = f"{'; '.join(reasons[:MOST_NAMED])}{more}. {ADVICE.format(name)}"
+        choice.rejected.append((download_name, name, why))
 
 
 def _expected_exercise(download_name: readers.DownloadName, exercise: str) -> str:

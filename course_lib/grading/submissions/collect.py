@@ -133,7 +133,9 @@ class Exports:
         """Return the time of submission and its source: the export or platform."""
         keys = (download_name.key, *download_name.keys)
         known_times = (
-            (one.find_time(key, download_name.attachment), one.source) for one in self.times for key in keys
+            (table.find_time(key, download_name.attachment), table.source)
+            for table in self.times
+            for key in keys
         )
         return next(
             (pair for pair in known_times if pair[0]),
@@ -257,7 +259,7 @@ def _download(source: Path, zone: ZoneInfo, layout: str) -> Download:
         )
     if download_layout.name == readers.SAKAI:
         stamps = _read_extras(source, lambda path: bool(readers.sakai_key(path)))
-        times = {readers.sakai_key(one.components): {"time": readers.sakai_time(one.data)} for one in stamps}
+        times = {readers.sakai_key(s.components): {"time": readers.sakai_time(s.data)} for s in stamps}
         download_layout = replace(download_layout, records=times)
     is_wrapped = download_layout.name == readers.FOLDERS and len({path[0] for path in paths}) == 1
     return Download(
@@ -367,8 +369,8 @@ def _read_exports(
         ids = {**by_key, **{anonymous_id: by_key.get(user, user) for anonymous_id, user in ids.items()}}
         time_tables += [table] if (table := read_times(roster, zone, owner_ids)) else []
         collection.notes.add(f"note: student IDs are from the column {heading!r} of {roster.name}")
-    collection.notes |= {_time_note(one, zone) for one in time_tables}
-    return Exports(ids, [one for one in time_tables if not one.unread])
+    collection.notes |= {_time_note(table, zone) for table in time_tables}
+    return Exports(ids, [table for table in time_tables if not table.unread])
 
 
 def _time_note(times: Times, zone: ZoneInfo) -> str:

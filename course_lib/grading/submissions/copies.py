@@ -318,9 +318,9 @@ def _shared_weights(solutions: Sequence[frozenset[int]]) -> Floats:
     for count, group in by_count.items():
         row_indices = np.array([rows[run] for run in group])
         weight = np.array([weights[run] for run in group])
-        for one in range(count):
+        for first in range(count):
             for other in range(count):
-                np.add.at(shared, (row_indices[:, one], row_indices[:, other]), weight)
+                np.add.at(shared, (row_indices[:, first], row_indices[:, other]), weight)
     np.fill_diagonal(shared, [sum(weights[run] for run in runs) for runs in solutions])
     return shared
 
@@ -612,11 +612,11 @@ def compare_class(
     released = released_code(exercises)
     code = defaultdict[tuple[str, str], dict[str, None]](dict)  # code of all attempts, without repetitions
     received_times: dict[tuple[str, str], str] = {}
-    for one in submissions:
-        if one.notebook is not None and not one.problem:
-            code[one.exercise, one.student] |= dict.fromkeys(_code(one.notebook.cells, one.files))
-            time = one.received.time
-            received_times[one.exercise, one.student] = time.isoformat() if time else ""
+    for file in submissions:
+        if file.notebook is not None and not file.problem:
+            code[file.exercise, file.student] |= dict.fromkeys(_code(file.notebook.cells, file.files))
+            time = file.received.time
+            received_times[file.exercise, file.student] = time.isoformat() if time else ""
     works = defaultdict[str, dict[str, Work]](dict)
     for (exercise, student), texts in code.items():
         selected = select_code(texts, names[exercise.split("_")[0]], released.lines)

@@ -114,11 +114,11 @@ def require_options(lms: Path, options: Mapping[str, object]) -> None:
 def _comments(out: Path, exercise: str) -> dict[str, str]:
     """Return graders' comments on the tasks of each student, one line per task."""
     comments: dict[str, str] = {}
-    for result in (one for one in results_in(out) if one.exercise == exercise):
+    for result in (marked for marked in results_in(out) if marked.exercise == exercise):
         exercise_comments = [
             mark.comment for mark in standing_marks(result.marks) if not mark.task and mark.comment
         ][-1:]
-        tasks = [f"{one.title}: {'; '.join(one.comments)}" for one in result.tasks if one.comments]
+        tasks = [f"{task.title}: {'; '.join(task.comments)}" for task in result.tasks if task.comments]
         if lines := [*exercise_comments, *tasks]:
             comments[_key(result.student)] = str(escape_formula("\n".join(lines)))
     return comments

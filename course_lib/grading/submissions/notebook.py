@@ -236,7 +236,7 @@ class CodeCell:
     def is_stub(self) -> bool:
         """True if the cell contains a `raise NotImplementedError`."""
         raised = (node.exc for node in ast.walk(self.tree) if isinstance(node, ast.Raise) and node.exc)
-        return any(ast.unparse(one).startswith("NotImplementedError") for one in raised)
+        return any(ast.unparse(exception).startswith("NotImplementedError") for exception in raised)
 
     @cached_property
     def modules(self) -> frozenset[str]:

@@ -84,7 +84,7 @@ def _parsers(order: str) -> "list[DateDataParser]":
     from dateparser.date import DateDataParser
 
     settings = SETTINGS | ({"DATE_ORDER": order} if order else {})
-    return [DateDataParser(locales=one, settings=settings, try_previous_locales=True) for one in LOCALES]
+    return [DateDataParser(locales=group, settings=settings, try_previous_locales=True) for group in LOCALES]
 
 
 def plain_digits(text: str) -> str:
@@ -188,7 +188,7 @@ class Reader:
     def match(self, path: Components) -> re.Match[str] | None:
         """Return the match of a path, or None."""
         text = "/".join(path)
-        return next(filter(None, (re.fullmatch(one, text, re.DOTALL) for one in self.patterns)), None)
+        return next(filter(None, (re.fullmatch(p, text, re.DOTALL) for p in self.patterns)), None)
 
     def is_extra(self, path: Components) -> bool:
         """Return whether a file was written by the platform itself."""
@@ -365,7 +365,7 @@ READERS: tuple[Reader, ...] = (
     ),
 )
 BY_LAYOUT: Mapping[str, Reader] = {reader.layout: reader for reader in READERS}
-LAYOUTS = (*(one for one in BY_LAYOUT if one != "anonymous"), FOLDERS, GOOGLE)
+LAYOUTS = (*(layout for layout in BY_LAYOUT if layout != "anonymous"), FOLDERS, GOOGLE)
 # Downloads of these platforms may be mixed with folders that the instructor created.
 _MIXABLE = ("moodle", "anonymous", "canvas", "blackboard", "brightspace")
 
@@ -488,7 +488,7 @@ def choose_layout(
         if (depth := _depth(reader, [(*above, *path) for path in paths])) is not None
     ]
     if name:
-        fits = [one for _, one in candidates if one == name or (one, name) == ("anonymous", "canvas")]
+        fits = [fit for _, fit in candidates if fit == name or (fit, name) == ("anonymous", "canvas")]
         if not fits:
             raise CourseError(
                 f"the names of this download do not follow {BY_LAYOUT[name].title}'s scheme. The "
@@ -556,15 +556,15 @@ def gradescope_records(data: bytes, zone: ZoneInfo) -> dict[str, dict[str, Any]]
     if not isinstance(content, dict):
         raise CourseError(f"{METADATA} has no submissions. Export it again from Gradescope")
     records: dict[str, dict[str, Any]] = {}
-    for folder, one in content.items():
+    for folder, entry in content.items():
         number = str(folder).removeprefix("submission_")
-        people = one.get(":submitters") if isinstance(one, dict) else None
+        people = entry.get(":submitters") if isinstance(entry, dict) else None
         first = people[0] if isinstance(people, list) and people and isinstance(people[0], dict) else {}
         sid, email, name = (str(first.get(key) or "").strip() for key in (":sid", ":email", ":name"))
         if not (sid or email or name):
             continue
         # Gradescope writes fractions of a second and separates the zone by a space.
-        text = re.sub(r"\.\d+", "", str(one.get(":created_at") or "")).replace(" Z", "+00:00").strip()
+        text = re.sub(r"\.\d+", "", str(entry.get(":created_at") or "")).replace(" Z", "+00:00").strip()
         text = re.sub(r" ([+-]\d\d:?\d\d)$", r"\1", text)
         records[number] = {
             "name": name or sid or email,
@@ -622,7 +622,7 @@ def fold_key(text: str) -> str:
 def _keys(*texts: str) -> tuple[str, ...]:
     """Return possible roster keys of a student, including "Ada Lovelace" for "Lovelace, Ada"."""
     flipped = (re.sub(r"([^,]+), ([^,]+)", r"\2 \1", text) for text in texts)
-    return tuple(dict.fromkeys(fold_key(one) for one in (*texts, *flipped) if one))
+    return tuple(dict.fromkeys(fold_key(text) for text in (*texts, *flipped) if text))
 
 
 def _endings(text: str) -> tuple[str, ...]:

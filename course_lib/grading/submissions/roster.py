@@ -225,7 +225,7 @@ class Ledger:
         # Students fill these folders, so a list in one of them is not evidence.
         inner = [folder for folder in path.parents if self.top in folder.parents]
         lists = [(folder / LIST).relative_to(self.top) for folder in inner if (folder / LIST).is_file()]
-        notes += [f"{one.as_posix()} is not trusted: only {LIST} at the top counts" for one in lists]
+        notes += [f"{path.as_posix()} is not trusted: only {LIST} at the top counts" for path in lists]
         receipt_time = _receipt_time(receipt)
         time, source = (entry.time, entry.source) if entry else (None, "")
         stamp = self._stamp_of(path)
@@ -337,37 +337,37 @@ def resolve_ids(submissions: Sequence[Submission], top: Path) -> list[Submission
         owners[submission.student].add(submission.student)
         if submission.claimed:
             owners[submission.claimed].add(submission.student)
-    return [_resolve_id(one, top, numbers, owners) for one in submissions]
+    return [_resolve_id(submission, top, numbers, owners) for submission in submissions]
 
 
 def _resolve_id(
-    one: Submission, top: Path, numbers: frozenset[str], owners: dict[str, set[str]]
+    submission: Submission, top: Path, numbers: frozenset[str], owners: dict[str, set[str]]
 ) -> Submission:
     # An unreadable file has no ID to verify.
-    if not one.sha256:
-        return one
-    is_number = one.student in numbers or PLATFORM_NAME.fullmatch(one.student)
-    if one.path.parent != top and not is_number:
-        return _use_folder_id(one)
-    if is_number and one.claimed and owners[one.claimed] != {one.student}:
-        note = f"the file has the ID {one.claimed}, and so has another student's file"
-        return replace(one, values_of=one.claimed, id_flag=MISMATCH, id_note=note)
-    if one.claimed is None:
+    if not submission.sha256:
+        return submission
+    is_number = submission.student in numbers or PLATFORM_NAME.fullmatch(submission.student)
+    if submission.path.parent != top and not is_number:
+        return _use_folder_id(submission)
+    if is_number and submission.claimed and owners[submission.claimed] != {submission.student}:
+        note = f"the file has the ID {submission.claimed}, and so has another student's file"
+        return replace(submission, values_of=submission.claimed, id_flag=MISMATCH, id_note=note)
+    if submission.claimed is None:
         note = "the file has no ID: judged with the personal values of a guest"
-        return replace(one, id_flag=NO_ID, id_note=note)
+        return replace(submission, id_flag=NO_ID, id_note=note)
     # Often all submissions are unverified, which is reported in a single line.
-    return replace(one, values_of=one.claimed, id_flag=UNVERIFIED)
+    return replace(submission, values_of=submission.claimed, id_flag=UNVERIFIED)
 
 
-def _use_folder_id(one: Submission) -> Submission:
+def _use_folder_id(submission: Submission) -> Submission:
     """Return a submission in a folder that identifies its student."""
-    resolved = replace(one, values_of=one.student)
-    if one.claimed == one.student:
+    resolved = replace(submission, values_of=submission.student)
+    if submission.claimed == submission.student:
         return resolved
-    judging = f"judged with the personal values of {one.student}"
-    if one.claimed is None:
+    judging = f"judged with the personal values of {submission.student}"
+    if submission.claimed is None:
         return replace(resolved, id_flag=NO_ID, id_note=f"the file has no ID: {judging}")
-    note = f"the file has the ID {one.claimed}, but {one.student} submitted it: {judging}"
+    note = f"the file has the ID {submission.claimed}, but {submission.student} submitted it: {judging}"
     return replace(resolved, id_flag=MISMATCH, id_note=note)
 
 
@@ -459,9 +459,9 @@ def ids_of_section(roster: Path | None, section: str) -> frozenset[str] | None:
     if not section or roster is None:
         raise CourseError("--section and --roster are needed together: --section A --roster roster.csv")
     members = read_class_list(roster)
-    student_ids = frozenset(one.id for one in members if one.section.casefold() == section.casefold())
+    student_ids = frozenset(m.id for m in members if m.section.casefold() == section.casefold())
     if not student_ids:
-        known_sections = ", ".join(sorted({one.section for one in members if one.section})) or "none"
+        known_sections = ", ".join(sorted({m.section for m in members if m.section})) or "none"
         raise CourseError(
             f"{roster} has no section {section!r}. Sections in its column 'section': {known_sections}"
         )
@@ -570,7 +570,7 @@ def read_ids(path: Path, id_column: str, numbers: Collection[str]) -> tuple[dict
     rows = [(number, normalise(id_)) for number, id_ in cells if number and id_]
     for column, which in ((place, 0), (id_place, 1)):
         if twice := next(
-            (one for one, count in Counter(row[which] for row in rows).items() if count > 1), ""
+            (value for value, count in Counter(row[which] for row in rows).items() if count > 1), ""
         ):
             raise CourseError(
                 f"{path.name} contains {twice!r} twice in {file.headings[column]!r}: "
@@ -600,7 +600,7 @@ def read_class(path: Path, id_column: str) -> list[str]:
     place = file.column(id_column) if id_column else _id_column(file, -1)
     cells = [file.text(row, place) for row in range(1, len(file.rows))]
     ids = [normalise(cell) for cell in cells if cell]
-    if twice := [one for one, count in Counter(ids).items() if count > 1]:
+    if twice := [student_id for student_id, count in Counter(ids).items() if count > 1]:
         raise CourseError(
             f"{path.name} contains {twice[0]!r} twice in {file.headings[place]!r}; delete a row"
         )

@@ -83,8 +83,8 @@ def find_submissions(
     ledger = Ledger.read(top, zone)
     groups = defaultdict[tuple[str, str], list[Submission]](list)
     for path in _files(top):
-        one = read_submission(path, ledger)
-        groups[one.student, one.exercise].append(one)
+        submission = read_submission(path, ledger)
+        groups[submission.student, submission.exercise].append(submission)
     ordered = {key: sort_submissions(group, top, counts, is_accepted) for key, group in groups.items()}
     rejected = [(file, entry.exercise, entry.refused) for file, entry in ledger.refused.items()]
     exercises = sorted({exercise for _, exercise in ordered if find_exercise_name(exercise) == exercise})
@@ -103,7 +103,7 @@ def find_submissions(
     if not ordered:
         raise CourseError(f"{top} contains no submissions: expected STUDENT/week01_exercise.ipynb")
     groups_in_order = [ordered[key] for key in sorted(ordered)]
-    return [one for group in groups_in_order for one in (group if counts == "best" else group[-1:])]
+    return [s for group in groups_in_order for s in (group if counts == "best" else group[-1:])]
 
 
 def skipped_files(top: Path) -> list[str]:
@@ -157,21 +157,19 @@ def sort_submissions(
     A file that only contains the student's ID never replaces one in the student's folder; if
     several such files contain it, none counts.
     """
-    owned = [one for one in group if len(one.path.relative_to(top).parts) > 1]
-    timed = all(one.received.is_trusted for one in owned or group)
-    order = sorted(
-        group, key=lambda one: (one in owned, one.is_exercise, is_accepted(one), *_age(one, top, timed))
-    )
-    places = {one.path.relative_to(top).parts[0] for one in group}
+    owned = [file for file in group if len(file.path.relative_to(top).parts) > 1]
+    timed = all(file.received.is_trusted for file in owned or group)
+    order = sorted(group, key=lambda f: (f in owned, f.is_exercise, is_accepted(f), *_age(f, top, timed)))
+    places = {file.path.relative_to(top).parts[0] for file in group}
     last = replace(
         order[-1],
         rivals=tuple(sorted(places)) if len(places) > 1 else (),
-        others=tuple(_describe_file(one, top) for one in order[:-1]),
+        others=tuple(_describe_file(file, top) for file in order[:-1]),
         counts=counts,
     )
-    claims = {} if owned else {_base_name(one): one.sha256 for one in order if one.is_exercise}
+    claims = {} if owned else {_base_name(file): file.sha256 for file in order if file.is_exercise}
     if len(set(claims.values())) > 1:
-        file_names = " and ".join(sorted(one.path.name for one in order if one.is_exercise))
+        file_names = " and ".join(sorted(file.path.name for file in order if file.is_exercise))
         problem = (
             f"{file_names} have the ID {last.student}: move each into the folder of the student "
             "who submitted it"
@@ -180,20 +178,20 @@ def sort_submissions(
     return [*order[:-1], last]
 
 
-def _age(one: Submission, top: Path, timed: bool) -> tuple[Any, ...]:
+def _age(file: Submission, top: Path, timed: bool) -> tuple[Any, ...]:
     """Return a sort key that orders one student's files from oldest to newest."""
-    time = one.received.time if timed else None
-    folders = one.path.relative_to(top).parts[1:-1]
+    time = file.received.time if timed else None
+    folders = file.path.relative_to(top).parts[1:-1]
     tries = max((_split_attempt(folder)[1] for folder in folders), default=0)
-    name, number = _split_attempt(_base_name(one, whole=True))
-    written_at = one.received.receipt.timestamp() if one.received.receipt else one.path.stat().st_mtime
-    return (time.timestamp() if time else 0.0, tries, number, name != "", written_at, one.path.as_posix())
+    name, number = _split_attempt(_base_name(file, whole=True))
+    written_at = file.received.receipt.timestamp() if file.received.receipt else file.path.stat().st_mtime
+    return (time.timestamp() if time else 0.0, tries, number, name != "", written_at, file.path.as_posix())
 
 
-def _base_name(one: Submission, *, whole: bool = False) -> str:
+def _base_name(file: Submission, *, whole: bool = False) -> str:
     """Return a file's name without exercise and ID, and without the number of the attempt unless `whole`."""
-    name = re.sub(r"^week\d\d(_exercise)?|\.ipynb$", "", one.path.stem, flags=re.IGNORECASE)
-    for student_id in filter(None, (one.claimed, one.student)):
+    name = re.sub(r"^week\d\d(_exercise)?|\.ipynb$", "", file.path.stem, flags=re.IGNORECASE)
+    for student_id in filter(None, (file.claimed, file.student)):
         name = name.casefold().replace(student_id, "")
     return (name if whole else _split_attempt(name)[0]).strip(" _-")
 
@@ -205,9 +203,9 @@ def _split_attempt(name: str) -> tuple[str, int]:
     return (stem[: number.start()], int(number[1])) if number else (stem, 0)
 
 
-def _describe_file(one: Submission, top: Path) -> str:
-    name = one.path.relative_to(top).as_posix()
-    return f"{name} ({one.problem})" if one.problem else name
+def _describe_file(file: Submission, top: Path) -> str:
+    name = file.path.relative_to(top).as_posix()
+    return f"{name} ({file.problem})" if file.problem else name
 
 
 def read_submission(path: Path, ledger: Ledger) -> Submission:
@@ -379,7 +377,7 @@ def store_submission_folders(out: Path, submissions: Path, submissions_found: It
     folder = Path(os.path.relpath(submissions.resolve(), out.resolve())).as_posix()
     places = {
         **read_submission_folders(out),
-        **{f"{one.student}/{one.exercise}": folder for one in submissions_found},
+        **{f"{s.student}/{s.exercise}": folder for s in submissions_found},
     }
     write_atomically(out / PLACES, json.dumps(places, indent=1, sort_keys=True).encode("utf-8", "replace"))
 
@@ -457,22 +455,22 @@ def plan_attempts(submissions: Sequence[Submission], course: Course, only: str) 
     Raises:
         CourseError: The pattern matches no submission.
     """
-    selected = [one for one in submissions if fnmatch.fnmatch(f"{one.student}/{one.exercise}", only)]
+    selected = [s for s in submissions if fnmatch.fnmatch(f"{s.student}/{s.exercise}", only)]
     if not selected:
-        one = f"{submissions[0].student}/{submissions[0].exercise}"
+        example = f"{submissions[0].student}/{submissions[0].exercise}"
         raise CourseError(
-            f"--only {only} matches no submission: use a pattern like 'ada/*'; one submission is {one}"
+            f"--only {only} matches no submission: use a pattern like 'ada/*'; one submission is {example}"
         )
     faults = catalog_of(course).faults
-    weeks = {one.exercise.split("_")[0] for one in selected}
+    weeks = {s.exercise.split("_")[0] for s in selected}
     for week in sorted(weeks & faults.keys()):
-        sound = min({one.exercise.split("_")[0] for one in submissions} - faults.keys(), default="")
+        sound = min({s.exercise.split("_")[0] for s in submissions} - faults.keys(), default="")
         meanwhile = f". Until then, --only '*/{sound}*' grades one week" if sound else ""
         raise CourseError(f"nothing is graded: {faults[week]}{meanwhile}")
     owners = defaultdict[str, set[str]](set)
     for submission in selected:
         owners[submission.sha256].add(submission.student)
-    groups = groupby(selected, lambda one: (one.student, one.exercise))
+    groups = groupby(selected, lambda s: (s.student, s.exercise))
     return [_make_attempts(list(group), owners, course) for _, group in groups]
 
 
@@ -484,12 +482,12 @@ def _make_attempts(
     planned = [_plan_job(submission, course) for submission in group]
     submissions = tuple(
         # Unchanged exercises are equal for all students.
-        one if one.is_untouched or not one.sha256 else _add_twins(one, owners[one.sha256] - {one.student})
-        for one, _ in planned
+        s if s.is_untouched or not s.sha256 else _add_twins(s, owners[s.sha256] - {s.student})
+        for s, _ in planned
     )
     student, exercise = group[-1].student, group[-1].exercise
     rules, dates = rules_of(course, exercise), dates_of(catalog_of(course).course, student, exercise)
-    digest = digest_of([rules, dates, [to_plain(attempt_of(one)) for one in submissions]])
+    digest = digest_of([rules, dates, [to_plain(attempt_of(s)) for s in submissions]])
     jobs = {job.key: job for _, job in planned if job}
     return Attempts(student, exercise, submissions, jobs, rules, digest)
 

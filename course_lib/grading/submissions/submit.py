@@ -86,7 +86,7 @@ class NotebookReview:
     @property
     def passed_count(self) -> int:
         """The number of tasks that are as they were when they passed their check."""
-        return sum(one.outcome == "passed" for one in self.tasks.values())
+        return sum(task.outcome == "passed" for task in self.tasks.values())
 
     def warnings(self) -> list[str]:
         """Return warnings, one sentence each."""
@@ -96,7 +96,7 @@ class NotebookReview:
         if self._tasks and not self._last_checks:
             problems.append(f"it was never checked here: run course check {_typed(self._path)} first")
         silent = {"passed"} if self._last_checks else {"passed", "unchecked"}
-        problems += [f"{name} {one.text}" for name, one in self.tasks.items() if one.outcome not in silent]
+        problems += [f"{name} {task.text}" for name, task in self.tasks.items() if task.outcome not in silent]
         problems += [*self._unchecked_cells(), *self._unsaved_warning()]
         stored_id = self._notebook.student
         if stored_id and self._identity and stored_id != self._identity:
@@ -179,8 +179,8 @@ class NotebookReview:
             return
         last_check = max(value.time for value in self._last_checks.values())
         save_time = datetime.fromtimestamp(self._path.stat().st_mtime, UTC)
-        unseen = any(one.outcome not in ("passed", "failed") for one in self.tasks.values())
-        has_digests = all(one.cells for one in self._last_checks.values())
+        unseen = any(task.outcome not in ("passed", "failed") for task in self.tasks.values())
+        has_digests = all(check.cells for check in self._last_checks.values())
         if save_time < last_check and (unseen or not has_digests):
             yield (
                 f"the notebook was saved at {_format_time(save_time)}, before the last check at "
@@ -288,7 +288,7 @@ def _record_submission(path: Path, notebook: Notebook, out: Path, time: str) -> 
     identity = state.get("identity", "student") or current_identity()
     hand_in = NotebookReview(path, notebook, tasks_of_week, state, identity)
     if folder is not None and path.suffix == ".ipynb":
-        tasks = tuple((name, one.outcome) for name, one in hand_in.tasks.items())
+        tasks = tuple((name, task.outcome) for name, task in hand_in.tasks.items())
         files = str(out.resolve()), str(path.resolve())
         save_packed_submission(state, exercise, PackedSubmission(time, *files, digest_of_cells(path), tasks))
     problems = hand_in.warnings()

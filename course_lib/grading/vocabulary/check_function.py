@@ -61,7 +61,7 @@ def check_arguments(name: str, parameters: Iterable[Parameter], values: Mapping[
 def _expected_type(annotation: Any, value: Any) -> str:
     """Return a description of the expected type if the value has another type, else ""."""
     either = get_args(annotation) if isinstance(annotation, UnionType) else (annotation,)
-    kinds = [one for one in either if one is not type(None)]
+    kinds = [kind for kind in either if kind is not type(None)]
     kind, type_text = KINDS.get(kinds[0], (object, "")) if len(kinds) == 1 else (object, "")
     return "" if isinstance(value, kind) else type_text
 
@@ -138,7 +138,7 @@ def _set_signature(expect: Any, signature: inspect.Signature) -> None:
     """Make `help` show the author's signature: without the evidence, returning a check."""
     parameters = list(signature.parameters.values())[1:]
     expect.__signature__ = signature.replace(parameters=parameters, return_annotation=Check)
-    expect.__annotations__ = {one.name: one.annotation for one in parameters} | {"return": Check}
+    expect.__annotations__ = {p.name: p.annotation for p in parameters} | {"return": Check}
     # The lines of an entry that continue it are indented further.
     expect.__doc__ = re.sub(r"\n( +)evidence: .*(\n\1 +\S.*)*", "", expect.__doc__ or "")
 

@@ -71,13 +71,13 @@ def expect_launch_node(
     """
     record = _launch_record(evidence, call)
     _require_success(record)
-    nodes = [one for one in record.started if (one.package, one.executable) == (package, executable)]
+    nodes = [n for n in record.started if (n.package, n.executable) == (package, executable)]
     if len(nodes) > of:
         text = f"the launch file starts {len(nodes)} nodes of {executable}, expected at most {of}"
         raise Problem(text, "the launch file starts a node too often")
-    node = next((one for one in nodes if name in (None, one.name)), nodes[0] if nodes else None)
+    node = next((node for node in nodes if name in (None, node.name)), nodes[0] if nodes else None)
     if node is None:
-        started_nodes = ", ".join(f"{one.executable} of {one.package}" for one in record.started) or "nothing"
+        started_nodes = ", ".join(f"{n.executable} of {n.package}" for n in record.started) or "nothing"
         text = f"the launch description starts {started_nodes}, expected {executable} of {package}"
         raise Problem(text, "a node is missing in the launch file")
     if name is not None and node.name != name:
@@ -112,7 +112,7 @@ def _require_success(record: LaunchRecord) -> None:
 
 
 def _find(started: Sequence[StartedNode], package: str, executable: str) -> StartedNode | None:
-    return next((one for one in started if (one.package, one.executable) == (package, executable)), None)
+    return next((n for n in started if (n.package, n.executable) == (package, executable)), None)
 
 
 def _check_options(

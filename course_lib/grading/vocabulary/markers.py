@@ -139,7 +139,7 @@ def _describe_actions(actions: Collection[int]) -> str:
     names = {DELETE: "DELETE (2)", DELETE_ALL: "DELETEALL (3)"}
     if not actions or ADD in actions:
         return ""
-    return f"; action is {' or '.join(names.get(one, str(one)) for one in sorted(actions))}, not ADD (0)"
+    return f"; action is {' or '.join(names.get(a, str(a)) for a in sorted(actions))}, not ADD (0)"
 
 
 def invisibility_reason(marker: Any) -> str:
@@ -278,8 +278,8 @@ class MarkerScene:
         if len(there) <= self.allowed:
             return there
         fresh = visible_markers(self._evidence, self.topic, self.at, margin=True)
-        stay, renewed = {(one.ns, one.id) for one in fresh}, {(one.ns, one.type) for one in fresh}
-        return [one for one in there if (one.ns, one.id) in stay or (one.ns, one.type) not in renewed]
+        stay, renewed = {(m.ns, m.id) for m in fresh}, {(m.ns, m.type) for m in fresh}
+        return [m for m in there if (m.ns, m.id) in stay or (m.ns, m.type) not in renewed]
 
     @property
     def markers(self) -> list[Any]:
@@ -289,9 +289,7 @@ class MarkerScene:
     @cached_property
     def allowed(self) -> int:
         """The number of markers that the checks require."""
-        counts: dict[str | None, int] = {
-            one.arguments["type"]: one.arguments["count"] for one in self._counts
-        }
+        counts: dict[str | None, int] = {c.arguments["type"]: c.arguments["count"] for c in self._counts}
         return max(counts.get(None, sum(counts.values())), len(self.subjects))
 
     @cached_property
@@ -378,13 +376,13 @@ class MarkerScene:
         """Whether a check of the number of markers fails and has a weight."""
         return any(
             sum(
-                matches(marker, one.arguments["type"], None, None) and not invisibility_reason(marker)
+                matches(marker, check.arguments["type"], None, None) and not invisibility_reason(marker)
                 for marker in markers
             )
-            != one.arguments["count"]
+            != check.arguments["count"]
             for markers in [visible_markers(self._evidence, self.topic, self.at)]
-            for one in self._counts
-            if one.weight > 0
+            for check in self._counts
+            if check.weight > 0
         )
 
     def _is_missing(self, subject: Iterable[int], marker: int) -> bool:
@@ -453,8 +451,8 @@ def _scenes(evidence: Evidence) -> dict[tuple[str, float | None], MarkerScene]:
             evidence,
             topic,
             at,
-            [one for one in checks if one.check_function != COUNT],
-            [one for one in checks if one.check_function == COUNT],
+            [check for check in checks if check.check_function != COUNT],
+            [check for check in checks if check.check_function == COUNT],
         )
         for (topic, at), checks in rows.items()
     }
@@ -677,7 +675,7 @@ def _compare_height(marker: Any, tolerance: float) -> Iterator[str]:
     # RViz2 draws a marker whose quaternion is all zeros without a rotation.
     if kind not in ("CUBE", "CYLINDER") or not 0 < length < math.inf:
         return
-    x, y, z, w = (one / length for one in (q.x, q.y, q.z, q.w))
+    x, y, z, w = (part / length for part in (q.x, q.y, q.z, q.w))
     # The z axis of the frame, as seen from the shape.
     up = (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y))
     parts = [abs(part * scale) for part, scale in zip(up, (size.x, size.y, size.z), strict=True)]
@@ -744,15 +742,15 @@ def _compare_text(marker: Any, expected: str, _: float) -> Iterator[str]:
     if text != expected:
         # Normalizations that each ignore one kind of difference.
         views: dict[str, Callable[[str], str]] = {
-            "the spaces differ": lambda one: "".join(one.split()),
+            "the spaces differ": lambda words: "".join(words.split()),
             "upper and lower case differ": str.casefold,
-            "the digits of the number differ": lambda one: NUMBER.sub("0", one),
-            "the punctuation around the words differs": lambda one: " ".join(re.findall(r"[\w.]+", one)),
+            "the digits of the number differ": lambda words: NUMBER.sub("0", words),
+            "the punctuation around the words differs": lambda words: " ".join(re.findall(r"[\w.]+", words)),
         }
         causes = [cause for cause, view in views.items() if view(text) == view(expected)]
         if "{" in text:
             causes = ["write f before the quotes of the string"]
-        yield f" reads {marker.text!r}, expected {expected!r}" + "".join(f": {one}" for one in causes[:1])
+        yield f" reads {marker.text!r}, expected {expected!r}" + "".join(f": {why}" for why in causes[:1])
 
 
 def _compare_lifetime(marker: Any, expected: float, _: float) -> Iterator[str]:

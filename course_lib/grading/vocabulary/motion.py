@@ -437,8 +437,8 @@ def expect_path(
         if len(path.poses) < count:
             return [Problem(message, "a path has too few poses")]
         return [Problem(message, "a path has the wrong number of poses")]
-    for which, one, expected in zip(("first", "last"), (path.poses[0], path.poses[-1]), ends, strict=True):
-        place = one.pose.position
+    for which, end, expected in zip(("first", "last"), (path.poses[0], path.poses[-1]), ends, strict=True):
+        place = end.pose.position
         position = (place.x, place.y, place.z)
         if not is_close(math.dist(position, expected), 0.0, tolerance):
             actual, expected_text = format_numbers(position), format_numbers(expected)

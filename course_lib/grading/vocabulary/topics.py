@@ -151,7 +151,7 @@ def expect_rate(
     markers that are published once only count as in a topic without `by_marker`.
     """
     end = evidence.seconds if end is None else end
-    received = [one for one in received_messages(evidence, topic) if begin <= one[0] <= end]
+    received = [pair for pair in received_messages(evidence, topic) if begin <= pair[0] <= end]
     times = sorted({seconds for seconds, _ in received})  # [s]
     if not times:
         message = f"nothing was published on {topic} from {begin:g} to {end:g} s"
@@ -185,7 +185,7 @@ def _repetition_problems(received: list[tuple[float, Any]], topic: str) -> list[
     if 2 * len(crowded) <= len(by_time):
         return []
     counts = {
-        seconds: max(Counter(tuple(_identity(to_plain(one))) for one in messages).values())
+        seconds: max(Counter(tuple(_identity(to_plain(message))) for message in messages).values())
         for seconds, messages in crowded.items()
     }
     repeated = [seconds for seconds, count in counts.items() if count > 1]

@@ -200,7 +200,7 @@ def _order_problem(
     name: str,
 ) -> Problem | None:
     """Return the problem of a list with the expected numbers or strings in a different order."""
-    if not {type(one) for one in (*value, *expected)} <= {int, float, str}:
+    if not {type(item) for item in (*value, *expected)} <= {int, float, str}:
         return None
     if not any(_is_different(*pair, tolerance) for pair in zip(value, expected, strict=True)):
         return None
@@ -224,14 +224,14 @@ def _rounded(value: Any) -> Any:
 def _is_permutation(value: list[Any], expected: list[Any], tolerance: float) -> bool:
     """Return whether two lists have the same items, which all differ from each other."""
     left = list(expected)
-    for one in value:
-        place = next((n for n, item in enumerate(left) if not _is_different(one, item, tolerance)), None)
+    for member in value:
+        place = next((n for n, item in enumerate(left) if not _is_different(member, item, tolerance)), None)
         if place is None:
             return False
         del left[place]
     # Equal values, such as the zeros of a color, are more often
     # computed so than returned in another order.
-    return len({str(one) for one in expected}) == len(expected)
+    return len({str(item) for item in expected}) == len(expected)
 
 
 def _is_different(value: float | str, expected: float | str, tolerance: float) -> bool:

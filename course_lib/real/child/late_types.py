@@ -97,8 +97,8 @@ class _Writer:
             if element in PRIMITIVES and element != "octet":
                 self.write_primitives(PRIMITIVES[element][0], value)
             else:
-                for one in value:
-                    self.write_element(element, one)
+                for item in value:
+                    self.write_element(element, item)
         if not fields:
             # CDR has no empty structures, so rosidl adds a byte.
             self.body.append(0)
@@ -371,7 +371,7 @@ def _descriptions(name: str, type_hash: str) -> list[int]:
     text = name.encode()
     _live_objects.append(text)
     description = _Description(_String(text, len(text), len(text) + 1), _Sequence(), _Sequence())
-    addresses = [_keep_alive(one) for one in (digest, description, _Sequence())]
+    addresses = [_keep_alive(part) for part in (digest, description, _Sequence())]
     return [_callback(_Pointer, _Pointer)(lambda handle, address=address: address) for address in addresses]
 
 
@@ -418,12 +418,12 @@ def _check(name: str, text: str, value: Any) -> None:
     if element in PRIMITIVES:
         kind = type(PRIMITIVES[element][1])
         kinds = (int, float) if kind is float else (int,) if kind is int else (kind,)
-        right = all(isinstance(one, kinds) or hasattr(one, "dtype") for one in values)
+        right = all(isinstance(value, kinds) or hasattr(value, "dtype") for value in values)
         expected = kind.__name__
     elif is_string(element):
-        right, expected = all(isinstance(one, str) for one in values), "str"
+        right, expected = all(isinstance(value, str) for value in values), "str"
     else:
-        right = all(isinstance(one, nested_class(element)) for one in values)
+        right = all(isinstance(value, nested_class(element)) for value in values)
         expected = element.rpartition("/")[2]
     assert right, f"The '{name}' field must be of type '{expected}'"
     assert not count or len(values) == count, f"The '{name}' field must have {count} values"
@@ -513,8 +513,8 @@ def _action_class(name: str, module: str, classes: Mapping[str, type], type_hash
     from action_msgs.srv import CancelGoal
 
     wheels: tuple[Any, ...] = (GoalStatusArray, CancelGoal)
-    for one in wheels:
-        type(one).__import_type_support__()
+    for wheel in wheels:
+        type(wheel).__import_type_support__()
     services = {attribute: classes[f"{name}{suffix}"] for suffix, attribute in ACTION_SERVICES.items()}
     transport = {
         **services,

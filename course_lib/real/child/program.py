@@ -210,7 +210,7 @@ def spin_subject(make: Any, inputs: Sequence[str]) -> None:
 
 def wait_for_connections(nodes: Sequence[Any], inputs: Sequence[str]) -> None:
     """Wait until each publisher has a subscription and each input has a publisher."""
-    publishers = [one for node in nodes for one in node.publishers if one.topic_name not in OWN_TOPICS]
+    publishers = [p for node in nodes for p in node.publishers if p.topic_name not in OWN_TOPICS]
     deadline = time.monotonic() + CONNECT_SECONDS
     while time.monotonic() < deadline:
         are_heard = all(publisher.get_subscription_count() for publisher in publishers)

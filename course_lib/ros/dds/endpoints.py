@@ -182,7 +182,7 @@ class Writer(OwnEndpoint[MatchedReader]):
         addresses = {address for reader in self.matched.values() for address in reader.endpoint.locators}
         if addresses:
             guid = self.endpoint.guid
-            *parts, end = [change.encode(guid, wire.UNKNOWN_ENTITY, one) for one in change.fragments]
+            *parts, end = [change.encode(guid, wire.UNKNOWN_ENTITY, part) for part in change.fragments]
             if qos.is_reliable:
                 body = (wire.UNKNOWN_ENTITY, guid[PREFIX_SIZE:], *self._state(self.first))
                 end += wire.submessage(wire.HEARTBEAT, 0, *body)
@@ -225,7 +225,7 @@ class Writer(OwnEndpoint[MatchedReader]):
         """Resend fragments of a message."""
         reader, change = self.matched.get(guid), self._history.get(number)
         if reader is not None and change is not None and number >= reader.first:
-            self._resend(reader, change, [one for one in fragments if one in change.fragments])
+            self._resend(reader, change, [n for n in fragments if n in change.fragments])
 
     def tick(self) -> None:
         """Send a heartbeat to reliable readers that have not acknowledged everything."""
@@ -235,7 +235,7 @@ class Writer(OwnEndpoint[MatchedReader]):
     def unacknowledged_readers(self) -> list[MatchedReader]:
         """Return the reliable readers that have not received everything."""
         readers = self.matched.values()
-        return [one for one in readers if self._is_reliable(one) and one.acknowledged < self.last]
+        return [r for r in readers if self._is_reliable(r) and r.acknowledged < self.last]
 
     def send_heartbeat(self, reader: MatchedReader) -> None:
         """Send a heartbeat that the reader has to answer."""
@@ -415,7 +415,7 @@ class Reader(OwnEndpoint[MatchedWriter]):
 
     def _free_memory(self, writer: MatchedWriter, size: int) -> None:
         """Drop the oldest incomplete messages, of this writer first, to keep memory bounded."""
-        used = size + sum(message.memory for one in self.matched.values() for message in one.partial.values())
+        used = size + sum(message.memory for w in self.matched.values() for message in w.partial.values())
         for other in (writer, *self.matched.values()):
             while other.partial and (used > MAX_PARTIAL_BYTES or len(writer.partial) >= MAX_PARTIAL):
                 used -= other.partial.pop(min(other.partial)).memory

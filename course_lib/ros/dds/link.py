@@ -179,7 +179,7 @@ class ServiceEndpoints(Declaration):
         self._writer.on_matched = self._reader.on_matched = self._send_waiting
         endpoints = (self._reader.endpoint, self._writer.endpoint)
         listings = [link.list_endpoint(entity, endpoint.guid).withdraw for endpoint in endpoints]
-        super().__init__(*listings, *[partial(self._participant.remove, one) for one in endpoints])
+        super().__init__(*listings, *[partial(self._participant.remove, endpoint) for endpoint in endpoints])
 
     def _send_when(self, is_matched: Callable[[], bool], send: Callable[[], object]) -> None:
         with self._participant.lock:

@@ -139,7 +139,7 @@ class Participant:
         # Datagrams whose processing was interrupted, and their senders' addresses.
         self._interrupted: deque[tuple[bytes, str]] = deque(maxlen=MAX_DATAGRAMS)
         for kind, pair in SEDP.items():
-            writer, reader = (Endpoint(self.prefix + one, "", "", DISCOVERY_QOS) for one in pair)
+            writer, reader = (Endpoint(self.prefix + entity, "", "", DISCOVERY_QOS) for entity in pair)
             self._announcers[kind] = announcer = Writer(self, writer)
             self._own |= {pair[0]: announcer, pair[1]: Reader(self, reader, self._on_sedp)}
         self.is_open = True
@@ -309,7 +309,7 @@ class Participant:
         if remote.host == host:
             return
         # Its endpoints keep their state, so that no message is lost or delivered twice.
-        for matched in [one for own in self._own.values() for one in own.matched.values()]:
+        for matched in [matched for own in self._own.values() for matched in own.matched.values()]:
             if matched.endpoint.guid[:PREFIX_SIZE] == prefix:
                 locators = _locators_at(host, matched.endpoint.locators)
                 matched.endpoint = replace(matched.endpoint, locators=locators)

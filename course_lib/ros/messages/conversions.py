@@ -58,11 +58,11 @@ def _set(message: RosMessage, values: Any, clock: _PublishTimes) -> None:
             clock.setters.append(partial(setattr, message, name))
         elif name in items:
             messages = []
-            for one in [value] if kind else value:
-                inner = one
-                if not isinstance(one, RosMessage) or type_name(one) != items[name]:
+            for item in [value] if kind else value:
+                inner = item
+                if not isinstance(item, RosMessage) or type_name(item) != items[name]:
                     inner = message_class(items[name])()
-                    _set(inner, one, clock)
+                    _set(inner, item, clock)
                 messages.append(inner)
             setattr(message, name, messages[0] if kind else messages)
         # As in ROS, a YAML value is converted to the type of the field's current value.

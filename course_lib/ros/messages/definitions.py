@@ -268,7 +268,7 @@ def definition(type_name: str) -> MessageDefinition:
 def _describe_unknown(type_name: str) -> str:
     """Return how to add the package of an unknown type, or the closest names, to append to a sentence."""
     package, kind, name = (*type_name.split("/"), "", "")[:3]
-    known_packages = {one.split("/")[0] for one in field_definitions()}
+    known_packages = {name.split("/")[0] for name in field_definitions()}
     # A package with a name of its own is custom, as in a bag of another workspace.
     if name and not get_close_matches(package, known_packages, cutoff=0.85):
         return (

@@ -60,7 +60,7 @@ def read_table() -> TypeTable | None:
 
 def to_rosbags_form(definition: Any) -> Any:
     """Convert a definition in the table to rosbags' format: two lists of tuples."""
-    return tuple([_as_tuples(one) for one in part] for part in definition)
+    return tuple([_as_tuples(item) for item in part] for part in definition)
 
 
 def _as_tuples(value: Any) -> Any:

@@ -301,10 +301,10 @@ def _list_kind(field: FieldDefinition, item: type, primitive: Primitive | None) 
             check(value)
         return value if send is None else send(value)
 
-    one = item if primitive is None else _default_factory(primitive)
+    new = item if primitive is None else _default_factory(primitive)
     length = field.size if field.container == "array" else 0
     return Kind(
-        default=lambda: [one() for _ in range(length)], check=check, to_wire=to_wire, from_wire=receive
+        default=lambda: [new() for _ in range(length)], check=check, to_wire=to_wire, from_wire=receive
     )
 
 

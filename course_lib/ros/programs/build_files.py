@@ -286,9 +286,7 @@ def _read_cmake(name: str, cmake: Path, build_files: BuildFiles) -> None:
             case "list", ["APPEND", variable, *values]:
                 variables[variable] = [*variables.get(variable, []), *values]
             case "file", ["GLOB" | "GLOB_RECURSE", variable, *patterns]:
-                relative = [
-                    os.path.relpath(one, source_folder) if os.path.isabs(one) else one for one in patterns
-                ]
+                relative = [os.path.relpath(p, source_folder) if os.path.isabs(p) else p for p in patterns]
                 inside = [pattern for pattern in relative if not pattern.startswith("..")]
                 variables[variable] = [
                     str(path) for pattern in inside for path in _glob(source_folder, pattern)
@@ -456,7 +454,7 @@ def _split_words(inner: str, variables: Mapping[str, list[str]]) -> list[str]:
         if single_variable is not None:
             arguments += variables.get(single_variable[1], [])
         else:
-            replaced = _VARIABLE.sub(lambda one: ";".join(variables.get(one[1], [])), quoted or plain)
+            replaced = _VARIABLE.sub(lambda m: ";".join(variables.get(m[1], [])), quoted or plain)
             arguments.append(replaced)
     return arguments
 

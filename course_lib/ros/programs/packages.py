@@ -524,7 +524,7 @@ def _is_at_source_path(file: Path, place: Path) -> bool:
     """Return whether an installed file, or each file of a folder, has the same path in the sources."""
     if place.exists() and (place.samefile(file) or not place.is_dir() or not file.is_dir()):
         return True
-    return file.is_dir() and place.is_dir() and all((place / one.name).exists() for one in file.iterdir())
+    return file.is_dir() and place.is_dir() and all((place / f.name).exists() for f in file.iterdir())
 
 
 @cache

@@ -210,7 +210,7 @@ class CvBridge:
         self.numpy_type_to_cvtype = {name: depth for depth, name in DEPTHS.items()} | DEPTHS
         self.cvdepth_to_numpy_depth = dict(enumerate(DEPTHS.values()))
         generic = [Encoding("", "", depth, channels) for depth in DEPTHS for channels in range(1, 5)]
-        self.cvtype_to_name = {one.cv_type: one.cv_name for one in generic}
+        self.cvtype_to_name = {encoding.cv_type: encoding.cv_name for encoding in generic}
 
     def dtype_with_channels_to_cvtype2(self, dtype: "np.dtype[Any]", n_channels: int) -> str:
         """Return OpenCV's name for a type, such as 8UC3.

@@ -50,7 +50,7 @@ class GenericAnalyzer:
         self._starts = tuple(settings["startswith"] or prefixes)
         self._contains = settings["contains"]
         self._patterns = [re.compile(pattern) for pattern in settings["regex"]]
-        self._prefixes = [output_name(one) for one in settings["remove_prefix"] or prefixes]
+        self._prefixes = [output_name(prefix) for prefix in settings["remove_prefix"] or prefixes]
         self._timeout_ns = round(settings["timeout"] * 1e9)
         self._count = settings["num_items"]
         self._discards = settings["discard_stale"]
@@ -258,7 +258,7 @@ class Aggregator(Node):
     def __init__(self, **options: Unpack[NodeOptions]) -> None:
         options["automatically_declare_parameters_from_overrides"] = True
         super().__init__("analyzers", **options)
-        parameters = {name: one.value for name, one in self.get_parameters_by_prefix("").items()}
+        parameters = {name: p.value for name, p in self.get_parameters_by_prefix("").items()}
         settings = checked(parameters, AGGREGATOR)
         path = f"/{settings['path']}" if settings["path"] else ""
         self._group = AnalyzerGroup(path, parameters)

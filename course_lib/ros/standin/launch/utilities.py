@@ -20,7 +20,7 @@ def normalize_to_list_of_substitutions(subs: SomeSubstitutionsType) -> list[Subs
     if isinstance(subs, Substitution):
         return [subs]
     if isinstance(subs, Iterable) and not isinstance(subs, str):
-        return [one for part in subs for one in normalize_to_list_of_substitutions(part)]
+        return [sub for part in subs for sub in normalize_to_list_of_substitutions(part)]
     return [TextSubstitution(text=str(subs))]
 
 
@@ -28,7 +28,7 @@ def normalize_to_list_of_entities(
     entities: Iterable[SomeEntitiesType],
 ) -> list[LaunchDescriptionEntity]:
     """Return entities, and lists of them, as one list."""
-    return [one for part in entities for one in as_entity_list(part)]
+    return [entity for part in entities for entity in as_entity_list(part)]
 
 
 def is_a(obj: object, entity_type: type) -> bool:

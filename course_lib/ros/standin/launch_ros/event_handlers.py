@@ -30,6 +30,6 @@ class OnStateTransition(BaseEventHandler):
             if not isinstance(event, StateTransition):
                 return False
             there = (event.action, event.transition, event.start_state, event.goal_state)
-            return all(one in (None, other) for one, other in zip(expected, there, strict=True))
+            return all(wanted in (None, other) for wanted, other in zip(expected, there, strict=True))
 
         super().__init__(matcher=matcher or matches, entities=entities, handle_once=handle_once)

@@ -52,7 +52,7 @@ def _parse_value(value: Any) -> Any:
 
 def _inner_parameters(entity: Entity, name: str) -> dict[Any, Any] | None:
     parameters = [build_element(child, _PARAMETER) for child in entity.named(name)]
-    if not all(isinstance(one, dict) for one in parameters):
+    if not all(isinstance(parameter, dict) for parameter in parameters):
         raise entity.error("a param with 'from' cannot stand in another one")
     return {key: value for parameter in parameters for key, value in parameter.items()} or None
 

@@ -66,16 +66,18 @@ def normalize_parameters(parameters: SomeParameters) -> Parameters:
         raise TypeError(f"Expecting list of parameters, got {parameters}")
     check_values(parameters)
     parameter_types = (Mapping, Parameter, ParameterFile)
-    return tuple(one if isinstance(one, parameter_types) else ParameterFile(one) for one in parameters)
+    return tuple(p if isinstance(p, parameter_types) else ParameterFile(p) for p in parameters)
 
 
 def evaluate_parameters(context: LaunchContext, parameters: Parameters) -> EvaluatedParameters:
     """Return the paths of parameter files, and dictionaries with values by full name."""
     evaluated: list[Any] = []
-    for one in parameters:
-        if isinstance(one, Mapping):
-            values = flat_values(context, one)
+    for parameter in parameters:
+        if isinstance(parameter, Mapping):
+            values = flat_values(context, parameter)
             evaluated.append({name: tuple(v) if isinstance(v, list) else v for name, v in values})
         else:
-            evaluated.append(one.evaluate(context) if isinstance(one, ParameterFile) else one)
+            evaluated.append(
+                parameter.evaluate(context) if isinstance(parameter, ParameterFile) else parameter
+            )
     return tuple(evaluated)

@@ -151,14 +151,14 @@ class ClockHandle:
 
         A callback that raises prevents the callbacks after it, but not the jump.
         """
-        concerned = [one for one in self.jump_handles if jump.exceeds(one)]
+        concerned = [handle for handle in self.jump_handles if jump.exceeds(handle)]
         try:
-            for one in concerned:
-                one.before()
+            for handle in concerned:
+                handle.before()
         finally:
             self.is_overridden, self.override_ns = overridden, now_ns
-        for one in concerned:
-            one.after(jump)
+        for handle in concerned:
+            handle.after(jump)
 
 
 class _Sleep:

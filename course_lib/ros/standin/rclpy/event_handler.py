@@ -161,7 +161,7 @@ class EventCallbacks:
         """
         handler_by_event = {name: getattr(self, name) for name in self._events}
         callbacks: dict[str, Report] = {
-            name: one for name, one in handler_by_event.items() if one is not None
+            name: handler for name, handler in handler_by_event.items() if handler is not None
         }
         tell: dict[str, Report] = {}
         handlers: list[EventHandler] = []

@@ -142,4 +142,4 @@ class AsyncParameterClient:
 
 
 def _messages(parameters: Iterable[Parameter | ParameterMsg]) -> list[ParameterMsg]:
-    return [one.to_parameter_msg() if isinstance(one, Parameter) else one for one in parameters]
+    return [p.to_parameter_msg() if isinstance(p, Parameter) else p for p in parameters]

@@ -93,13 +93,13 @@ class ParameterEventHandler:
     ) -> ParameterMsg | None:
         """Return a parameter that an event reports as new or changed, or None."""
         parameters = ParameterEventHandler.get_parameters_from_event(event)
-        same = (one for one in parameters if one.name == parameter_name and event.node == node_name)
+        same = (p for p in parameters if p.name == parameter_name and event.node == node_name)
         return next(same, None)
 
     def __on_event(self, event: ParameterEvent) -> None:
-        for handle in [one for one in self.__handles if isinstance(one, ParameterCallbackHandle)]:
+        for handle in [h for h in self.__handles if isinstance(h, ParameterCallbackHandle)]:
             parameter = self.get_parameter_from_event(event, handle.parameter_name, handle.node_name)
             if parameter is not None:
                 handle.callback(parameter)
-        for every in [one for one in self.__handles if isinstance(one, ParameterEventCallbackHandle)]:
+        for every in [h for h in self.__handles if isinstance(h, ParameterEventCallbackHandle)]:
             every.callback(event)

@@ -160,10 +160,10 @@ class TypeDescriptionService:
             return response
         first, *referenced = describe_type(name).values()
         response.type_description.type_description = _individual(first)
-        referenced.sort(key=lambda one: one["type_name"])
-        response.type_description.referenced_type_descriptions = [_individual(one) for one in referenced]
+        referenced.sort(key=lambda d: d["type_name"])
+        response.type_description.referenced_type_descriptions = [_individual(d) for d in referenced]
         if request.include_type_sources:
-            for type_name in (one["type_name"] for one in (first, *referenced)):
+            for type_name in (d["type_name"] for d in (first, *referenced)):
                 # Service types and their events are not defined by a message's file.
                 if type_name in field_definitions() and not type_name.endswith(EVENT_PART):
                     # The definition without comments and nested types.
@@ -182,5 +182,5 @@ class TypeDescriptionService:
 
 
 def _individual(description: dict[str, Any]) -> IndividualTypeDescription:
-    fields = [Field(name=one["name"], type=FieldType(**one["type"])) for one in description["fields"]]
+    fields = [Field(name=field["name"], type=FieldType(**field["type"])) for field in description["fields"]]
     return IndividualTypeDescription(type_name=description["type_name"], fields=fields)

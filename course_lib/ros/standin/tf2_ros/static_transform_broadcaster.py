@@ -24,7 +24,7 @@ class StaticTransformBroadcaster:
     def sendTransform(self, transform: Transforms) -> None:  # noqa: N802  # ROS's name
         """Send one or more transforms, together with all earlier ones."""
         transforms = self.net_message.transforms
-        for one in as_list(transform):
-            if all(one.child_frame_id != other.child_frame_id for other in transforms):
-                transforms.append(one)
+        for new in as_list(transform):
+            if all(new.child_frame_id != other.child_frame_id for other in transforms):
+                transforms.append(new)
         self.pub_tf.publish(self.net_message)

@@ -137,7 +137,7 @@ class YamlEntity(Entity):
         inner = self._value.get("children") if isinstance(self._value, dict) else self._value
         if not isinstance(inner, list):
             raise self.error("expected a list of elements, or a mapping with one behind `children:`")
-        return [self._child(one) for one in inner]
+        return [self._child(child) for child in inner]
 
     def _child(self, value: Any) -> "YamlEntity":
         line = self._lines.get(id(value), self.line)
@@ -155,7 +155,7 @@ class YamlEntity(Entity):
             return []
         if not isinstance(items, list) or not all(isinstance(item, dict) for item in items):
             raise self.error(f"{name} is {str(items)[:60]}, expected a list of mappings")
-        return [YamlEntity(name, self._lines.get(id(one), self.line), one, self._lines) for one in items]
+        return [YamlEntity(name, self._lines.get(id(item), self.line), item, self._lines) for item in items]
 
     def get(self, name: str, kind: type | None = str) -> Any:
         """Return the value of a key."""
@@ -312,6 +312,6 @@ def _check_size(root: Any) -> None:
             )
             raise EntityError(node.start_mark.line + 1, f"{excess}, with all aliases followed")
         if isinstance(node, yaml.SequenceNode):
-            waiting += [(one, depth + 1) for one in node.value]
+            waiting += [(child, depth + 1) for child in node.value]
         elif isinstance(node, yaml.MappingNode):
-            waiting += [(one, depth + 1) for pair in node.value for one in pair]
+            waiting += [(child, depth + 1) for pair in node.value for child in pair]

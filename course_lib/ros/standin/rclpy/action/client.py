@@ -238,10 +238,10 @@ class ActionClient:
             await await_or_execute(callback, message)
 
     def __on_status(self, message: GoalStatusArray) -> None:
-        for one in message.status_list:
-            handle = self._goal_handles.get(bytes(one.goal_info.goal_id.uuid))
+        for status in message.status_list:
+            handle = self._goal_handles.get(bytes(status.goal_info.goal_id.uuid))
             if handle is not None:
-                handle.status = one.status
+                handle.status = status.status
 
     def __warn(self, word: str) -> None:
         self._logger.warning(

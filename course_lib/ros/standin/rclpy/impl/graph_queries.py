@@ -223,9 +223,9 @@ def to_qos(profile: QoSProfile, kind: Literal["pub", "sub"]) -> Qos:
     # value, a subscription requests the weakest.
     best = 0 if kind == "pub" else 1
     policies: dict[str, Any] = {
-        name: _FITTING[name][best] if one.name == "BEST_AVAILABLE" else one.name.lower()
-        for name, one in policy_values.items()
-        if one
+        name: _FITTING[name][best] if policy.name == "BEST_AVAILABLE" else policy.name.lower()
+        for name, policy in policy_values.items()
+        if policy
     }
     if kind == "sub":
         policies.setdefault("reliability", "best_effort")

@@ -142,7 +142,7 @@ class PrivateName:
     def __set__(self, node: Any, value: object) -> None:
         node.__dict__[self._name] = value
         equal = _EQUALS.get(self._name)
-        if equal is None or equal not in (one.__name__ for one in type(value).__mro__):
+        if equal is None or equal not in (cls.__name__ for cls in type(value).__mro__):
             place = line_of_thread(threading.get_ident())
             notice(self._base, type(node).__name__, self._name, self._use, place)
 

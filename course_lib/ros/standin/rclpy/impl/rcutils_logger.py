@@ -121,7 +121,7 @@ def get_filters_from_kwargs(**kwargs: Any) -> list[str]:
     Raise a TypeError if a required option is missing, or an option is unknown.
     """
     filters = [
-        name for name, one in supported_filters.items() if any(kwargs.get(option) for option in one.params)
+        name for name, rule in supported_filters.items() if any(kwargs.get(option) for option in rule.params)
     ]
     for name in filters:
         for option, default in supported_filters[name].params.items():
