@@ -136,18 +136,6 @@ def downsample(pixels: Pixels, columns: int) -> Pixels:
     return pixels[::step, ::step]
 
 
-def zoom_image(pixels: Pixels, zoom: float) -> Pixels:
-    """Return an image magnified about its center; pixels outside of it are black."""
-    if zoom == 1:
-        return pixels
-    places = [((np.arange(n) + 0.5 - n / 2) / zoom + n / 2) for n in pixels.shape[:2]]
-    row, column = (np.floor(place).astype(int) for place in places)
-    inside = [(index >= 0) & (index < n) for index, n in zip((row, column), pixels.shape[:2], strict=True)]
-    picked = pixels[row.clip(0, len(pixels) - 1)][:, column.clip(0, pixels.shape[1] - 1)]
-    zoomed: Pixels = picked * (inside[0][:, None] & inside[1])[..., None].astype(np.uint8)
-    return zoomed
-
-
 def _scale_to_bytes(values: AnyArray, limits: Limits) -> Bytes:
     """Scale values to bytes from black to white; all are black if both limits are equal."""
     low, high = limits(values)
@@ -176,6 +164,8 @@ def rows_of(message: Any, kind: str, count: int) -> AnyArray:
 def _from_yuv(pairs: Pixels, bright: tuple[int, int], u_at: int, v_at: int) -> Pixels:
     """Convert pixels that share chrominance in pairs to RGB, with RViz's integer arithmetic."""
     height, width = pairs.shape[:2]
+    if width < 2:
+        raise ValueError("the image is one pixel wide; its encoding shares colors between two pixels.")
     four = pairs[:, : width // 2 * 2].reshape(height, -1, 4).astype(np.int32)
     y = four[..., bright]
     u, v = four[..., u_at, None] - 128, four[..., v_at, None] - 128
@@ -371,18 +361,34 @@ class CameraDisplay(PictureDisplay):
             self.context.scene.delete(f"{self.path}/picture")
             return
         self.statuses.set("ok", "Time", "ok")
-        self.context.scene.set_object(f"{self.path}/picture", self._inset(pixels, camera, width / height))
+        self.context.scene.set_object(f"{self.path}/picture", self._inset(pixels, camera, width, height))
 
-    def _inset(self, pixels: Pixels, camera: Camera, columns_per_row: float) -> Inset:
+    def _inset(self, pixels: Pixels, camera: Camera, columns: int, rows: int) -> Inset:
         rendering, p = self["Image Rendering"], self._info.p
         over = 0.0 if rendering == _BACK else self["Overlay Alpha"]
         hidden_paths = tuple(
             f"displays/{node_name(name)}" for name, on in self["Visibility"].items() if not on
         )
         # Pixels need not be square.
-        aspect = columns_per_row * p[5] / p[0]
-        zoomed_in = zoom_image(pixels, self["Zoom Factor"])
-        return Inset(zoomed_in, aspect, camera, rendering != _OVER, over, hidden_paths)
+        aspect = columns / rows * p[5] / p[0]
+        area = self._image_area(columns, rows)
+        return Inset(pixels, aspect, camera, rendering != _OVER, over, hidden_paths, area)
+
+    def _image_area(self, columns: int, rows: int) -> tuple[float, float, float, float]:
+        """Return the part of the picture that the image covers: all of it, or the region of interest.
+
+        Args:
+            columns: Width of the whole image, without a region of interest.
+            rows: Height of the whole image.
+        """
+        roi, zoom = self._info.roi, self["Zoom Factor"]
+        if not (roi.width or roi.height):
+            left, top, width, height = 0.0, 0.0, 1.0, 1.0
+        else:
+            left, top, width, height = (
+                roi.x_offset / columns, roi.y_offset / rows, roi.width / columns, roi.height / rows
+            )  # fmt: skip
+        return 0.5 + zoom * (left - 0.5), 0.5 + zoom * (top - 0.5), zoom * width, zoom * height
 
     def _on_info(self, message: Any) -> None:
         self._info = message

@@ -11,7 +11,7 @@ from course_lib.displays.frames import nanoseconds, pose_in_fixed_frame
 from course_lib.displays.properties import Property, flag, integer, number, read_only, words
 from course_lib.displays.shapes import pose_numbers
 from course_lib.displays.statuses import Level
-from course_lib.viewer.drawables import Drawable, Sheet
+from course_lib.viewer.drawables import OPAQUE_FROM, Drawable, Sheet
 
 # Colors of binary maps: below the threshold, and from the threshold on.
 _BINARY = {
@@ -128,7 +128,8 @@ class MapDisplay(DrawnDisplay):
             return {}
         threshold = self["Binary threshold"] if self["Binary representation"] else None
         colors = palette(self["Color Scheme"], threshold) / 255
-        colors[:, 3] *= self["Alpha"]
+        # RViz blends only below this alpha: the transparent cells of a costmap are black above it.
+        colors[:, 3] = colors[:, 3] * self["Alpha"] if self["Alpha"] < OPAQUE_FROM else 1.0
         return {"map": Sheet(self._cells, colors, self._map.info.resolution, self["Draw Behind"])}
 
     def _place(self) -> None:
@@ -153,6 +154,12 @@ class MapDisplay(DrawnDisplay):
         inside = 0 <= update.x <= width - update.width and 0 <= update.y <= height - update.height
         if not inside:
             self.statuses.set("error", "Update", "Update area outside of original map area.")
+            return
+        count = len(update.data)
+        fits = count == update.width * update.height
+        problem = f"the update has {count} cells instead of {update.width} x {update.height}, and is ignored."
+        self.statuses.hint("Update", *([] if fits else [problem]))
+        if not fits:
             return
         part = np.array(update.data, np.int8).view(np.uint8).reshape(update.height, update.width)
         self._cells[update.y : update.y + update.height, update.x : update.x + update.width] = part

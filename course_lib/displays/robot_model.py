@@ -342,6 +342,16 @@ class RobotModelDisplay(TopicDisplay):
             return bool(self._switches[prop.names[1]])
         return is_used.get(prop.path[0], True) and super().is_shown(prop)
 
+    def __setitem__(self, label: str, value: Any) -> None:
+        names = self._property(label).names
+        if len(names) == 2 and names[0] == "Joints" and not self._switches[names[1]]:
+            raise CourseError(
+                f"{self}: with {_STYLE.partition('/')[2]} {self[_STYLE]!r}, joint {names[1]!r} has no check "
+                f"box, because its link has no geometry. With {_JOINT_TREE!r}, it shows and hides all links "
+                "below the joint."
+            )
+        super().__setitem__(label, value)
+
     def qos(self) -> Qos:
         """Return the requested quality of service: transient local, until a policy is changed."""
         policies = [prop for prop in self.properties if prop.label.startswith(f"{_TOPIC}/")]

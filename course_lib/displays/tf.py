@@ -2,7 +2,8 @@
 
 import re
 from collections.abc import Iterator, Mapping
-from functools import partial
+from functools import lru_cache, partial
+from importlib import import_module
 from math import floor
 from typing import Any, NamedTuple
 
@@ -263,13 +264,59 @@ def _fade(color: Matrix, age: float) -> Matrix:
     return fading
 
 
+# The number of ways to match a name from which on an expression is rejected; trying a million takes
+# a tenth of a second.
+_MOST_WAYS = 10**7
+# The length of a long name, which limits repetitions.
+_LONG_NAME = 50
+
+
 def _regex(value: Any) -> str:
-    """Convert a regular expression."""
+    """Convert a regular expression.
+
+    Python tries all ways to match a name, and nothing can interrupt it. So it rejects an expression
+    with too many of them, like ``(a+)+b``.
+    """
+    pattern = text(value)
     try:
-        re.compile(text(value))
-    except re.error as error:
+        re.compile(pattern)
+        # The only parser of Python's regular expressions is a private module of `re`.
+        ways = _count_ways(import_module("re._parser").parse(pattern))
+    except (re.error, RecursionError) as error:
         raise ValueError(f"a regular expression; {error}") from None
-    return text(value)
+    if ways > _MOST_WAYS:
+        raise ValueError(
+            "a regular expression with fewer repetitions, and with none inside another one as in '(a+)+'; "
+            "a search with this one could take forever"
+        )
+    return pattern
+
+
+def _count_ways(parsed: Any) -> int:
+    """Return an upper limit of the number of ways in which a parsed expression may match a long name."""
+    ways = 1
+    for operation, argument in parsed:
+        name = str(operation)
+        if name.endswith("_REPEAT"):
+            low, high, body = argument
+            most = min(int(high), _LONG_NAME)
+            ways *= max(most - int(low) + 1, 1) * _count_ways(body) ** most
+        elif name == "BRANCH":
+            counts = [_count_ways(branch) for branch in argument[1]]
+            # Alternatives that begin with different letters exclude each other.
+            first = [branch[0] for branch in argument[1] if len(branch)]
+            starts = {code for kind, code in first if str(kind) == "LITERAL"}
+            ways *= max(counts) if len(starts) == len(counts) else sum(counts)
+        elif name in ("SUBPATTERN", "ASSERT", "ASSERT_NOT"):
+            ways *= _count_ways(argument[-1])
+    # Higher numbers would only take longer to compute.
+    return min(ways, _MOST_WAYS + 1)
+
+
+@lru_cache(maxsize=4096)
+def _passes(name: str, whitelist: str, blacklist: str) -> bool:
+    """Return whether a frame passes both filters, of which an empty one lets all pass."""
+    return bool(re.search(whitelist, name) and not (blacklist and re.search(blacklist, name)))
 
 
 class _LatestTransform(NamedTuple):
@@ -332,8 +379,7 @@ class TfDisplay(Display):
             return
         self._updated_ns = now_ns
         whitelist, blacklist = self["Filter (whitelist)"], self["Filter (blacklist)"]
-        names = [name for name in self.context.frames.buffer.frames() if re.search(whitelist, name)]
-        names = [name for name in names if not (blacklist and re.search(blacklist, name))]
+        names = [n for n in self.context.frames.buffer.frames() if _passes(n, whitelist, blacklist)]
         for name in self._frames.keys() - set(names):
             for node in self._frames.pop(name).nodes.values():
                 self.context.scene.delete(node)

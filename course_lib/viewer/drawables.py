@@ -328,6 +328,8 @@ class Inset:
         behind: Whether the image is behind the scene, instead of the background color.
         over: Opacity of the image over the scene, 0..1.
         hidden: Paths of nodes that this camera does not draw.
+        area: Left, top, width and height of the image, as fractions of the displayed picture; used with
+            a camera only.
     """
 
     def __init__(
@@ -338,6 +340,7 @@ class Inset:
         behind: bool = True,
         over: float = 0.0,
         hidden: tuple[str, ...] = (),
+        area: tuple[float, float, float, float] = (0.0, 0.0, 1.0, 1.0),
     ) -> None:
         self.pixels: Bytes = checked_array("pixels", pixels, np.uint8, (None, None, 3))
         rows, columns = self.pixels.shape[:2]
@@ -346,6 +349,7 @@ class Inset:
         self.behind = behind
         self.over = float(over)
         self.hidden = hidden
+        self.area = area
 
 
 class MeshcatObject:

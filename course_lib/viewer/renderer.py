@@ -435,11 +435,27 @@ def draw(scene: Scene, size: tuple[int, int]) -> bytes:
 
 def _inset(scene: Scene, inset: drawables.Inset, size: tuple[int, int]) -> Pixels:
     """Draw an inset, including the scene if it has a camera."""
-    picture = np.asarray(Image.fromarray(inset.pixels).resize(size))
+    image = Image.fromarray(inset.pixels)
     if inset.camera is None:
-        return picture
-    inset_pixels = _pixels(scene, inset.camera, size, picture if inset.behind else None, inset.hidden)
-    mixed: Pixels = np.rint(inset_pixels * (1 - inset.over) + picture * inset.over).astype(np.uint8)
+        return np.asarray(image.resize(size))
+    left, top, width, height = inset.area
+    coverage = np.ones((size[1], size[0], 1))
+    if inset.area == (0.0, 0.0, 1.0, 1.0):
+        image = image.resize(size)
+    elif min(width, height) > 0:
+        # The part of the image that the picture shows; it may be larger than the image.
+        box = (-left / width, -top / height, (1 - left) / width, (1 - top) / height)
+        extent = tuple(share * side for share, side in zip(box, image.size * 2, strict=True))
+        mask = Image.new("L", image.size, 255).transform(size, Image.Transform.EXTENT, extent)
+        image = image.transform(size, Image.Transform.EXTENT, extent)
+        coverage = np.asarray(mask)[..., None] / 255
+    else:
+        image, coverage = image.resize(size), 0 * coverage
+    picture = np.asarray(image)
+    background = np.where(coverage > 0, picture, np.array(scene.background, np.uint8))
+    inset_pixels = _pixels(scene, inset.camera, size, background if inset.behind else None, inset.hidden)
+    over = inset.over * coverage
+    mixed: Pixels = np.rint(inset_pixels * (1 - over) + picture * over).astype(np.uint8)
     return mixed
 
 

@@ -93,6 +93,22 @@ def test_camera_shift_moves_the_target_by_fractions_of_the_image_height() -> Non
     assert rows.mean() == pytest.approx(height / 2 - height / 4, abs=1)
 
 
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("renderer", ["numpy", "chromium"])
+def test_image_covers_only_its_area_of_the_picture(renderer: Renderer) -> None:
+    if renderer == "chromium" and find_browser() is None:
+        pytest.skip("no Chromium or Chrome here")
+    scene = Scene()
+    away = Camera(eye=(4.0, 0.0, 0.0), target=(8.0, 0.0, 0.0))
+    area = (0.5, -0.5, 1.0, 1.0)
+    scene.set_object("a", Inset(plain(BLUE), camera=away, over=0.5, area=area))
+    ((_, (left, top, width, height)),) = placed_insets(scene, SIZE)
+    inside = pixels(scene, renderer)[top : top + height, left : left + width]
+    corners = inside[[3, 3, -4, -4], [3, -4, 3, -4]].tolist()
+    background = [*scene.background]
+    assert corners == [background, [*BLUE], background, background]
+
+
 @pytest.mark.slow
 def test_both_renderers_agree_on_insets() -> None:
     if find_browser() is None:

@@ -82,7 +82,9 @@ function drawInset(inset, mirror, width, height, render) {
   context.imageSmoothingQuality = "medium";
   context.fillStyle = `rgb(${mirror.background.join()})`;
   context.fillRect(0, 0, width, height);
-  if (inset.behind) context.drawImage(inset.picture, 0, 0, width, height);
+  const [left, top, wide, high] = inset.area;
+  const paint = () => context.drawImage(inset.picture, left * width, top * height, wide * width, high * height);
+  if (inset.behind) paint();
   const hidden = /** @type {string[]} */ (inset.hidden).map((path) => mirror.nodes.get(path)).filter((node) => node?.visible);
   for (const node of hidden) node.visible = false;
   const orbit = new Orbit();
@@ -90,7 +92,7 @@ function drawInset(inset, mirror, width, height, render) {
   render(orbit.camera(width, height), context, width, height);
   for (const node of hidden) node.visible = true;
   context.globalAlpha = inset.over;
-  context.drawImage(inset.picture, 0, 0, width, height);
+  paint();
   context.globalAlpha = 1;
   return canvas;
 }

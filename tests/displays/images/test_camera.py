@@ -86,6 +86,27 @@ def test_zoom_magnifies_around_the_center() -> None:
 
 
 @pytest.mark.parametrize(
+    ("zoom", "roi", "area"),
+    [
+        (1.0, (0, 0, 0, 0), (0.0, 0.0, 1.0, 1.0)),
+        (2.0, (0, 0, 0, 0), (-0.5, -0.5, 2.0, 2.0)),
+        (1.0, (2, 3, 4, 3), (0.25, 0.5, 0.5, 0.5)),
+        (2.0, (2, 3, 4, 3), (0.0, 0.5, 1.0, 1.0)),
+    ],
+)
+def test_image_covers_the_region_of_interest_of_the_camera_info(
+    zoom: float, roi: tuple[int, ...], area: tuple[float, ...]
+) -> None:
+    bench, described = Bench(), info()
+    add(bench, zoom_factor=zoom)
+    region = described.roi
+    region.x_offset, region.y_offset, region.width, region.height = roi
+    inset = show_inset(bench, described)
+    assert inset is not None
+    assert inset.area == area
+
+
+@pytest.mark.parametrize(
     ("rendering", "behind", "over"),
     [("background", True, 0.0), ("overlay", False, 0.25), ("background and overlay", True, 0.25)],
 )

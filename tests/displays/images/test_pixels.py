@@ -12,7 +12,6 @@ from course_lib.displays.images import (
     decode_compressed,
     downsample,
     rgb_of,
-    zoom_image,
 )
 
 COLORS = np.random.default_rng(1).integers(0, 256, (4, 6, 3), np.uint8)
@@ -126,9 +125,7 @@ def test_image_is_scaled_down_to_the_requested_width() -> None:
     assert downsample(np.zeros((480, 641, 3), np.uint8), 640).shape == (240, 321, 3)
 
 
-def test_zoom_magnifies_around_the_center() -> None:
-    wide = np.arange(8, dtype=np.uint8)[None, :, None].repeat(3, axis=2)
-    assert zoom_image(wide, 2.0)[0, :, 0].tolist() == [2, 2, 3, 3, 4, 4, 5, 5]
-    assert zoom_image(wide + 1, 0.5).shape == wide.shape
-    assert (zoom_image(wide + 1, 0.5)[0, [0, 1, 6, 7]] == 0).all()
-    np.testing.assert_array_equal(zoom_image(wide, 1.0), wide)
+@pytest.mark.parametrize("encoding", ["yuv422", "yuyv"])
+def test_image_too_narrow_for_shared_colors_is_an_error(encoding: str) -> None:
+    with pytest.raises(ValueError, match="one pixel wide"):
+        rgb_of(Image(width=1, height=1, step=2, encoding=encoding, data=bytes(2)), whole)

@@ -120,6 +120,28 @@ def test_update_outside_the_map_is_an_error_and_changes_nothing(x: int, y: int) 
     assert sheet(bench) is before
 
 
+def test_update_with_a_wrong_number_of_cells_changes_nothing_and_has_a_hint() -> None:
+    bench = Bench()
+    display = add(bench)
+    bench.publish("/map", grid((FREE, FREE, FREE)))
+    before, update = sheet(bench), change(0, 0, (WALL, WALL))
+    update.data = update.data[:1]
+    bench.publish("/map_updates", update)
+    assert bench.hints(display) == ["the update has 1 cells instead of 2 x 1, and is ignored."]
+    assert sheet(bench) is before
+    bench.publish("/map_updates", change(0, 0, (WALL, WALL)))
+    assert not bench.hints(display)
+
+
+def test_costmap_is_drawn_without_transparent_cells_at_full_alpha() -> None:
+    bench = Bench()
+    display = add(bench, alpha=1.0, color_scheme="costmap")
+    bench.publish("/map", grid((FREE, WALL)))
+    assert sheet(bench).colors[FREE].tolist() == [0, 0, 0, 1]
+    display["Alpha"] = 0.5
+    assert sheet(bench).colors[[FREE, WALL], 3].tolist() == [0, 0.5]
+
+
 def test_map_updates_can_use_a_custom_topic() -> None:
     bench = Bench()
     display = add(bench)

@@ -10,6 +10,7 @@ from course_lib.displays.panel.desk import display_rows
 from course_lib.displays.robot_model import DrawnLink, LinkSettings
 from course_lib.displays.viewer import Viewer
 from course_lib.displays.writer import member_config
+from course_lib.errors import CourseError
 from course_lib.robots.robot import load_robot
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.programs.packages import packages
@@ -337,6 +338,25 @@ def test_check_box_of_a_joint_hides_its_link_and_in_a_tree_all_links_below() -> 
     rows = display_rows(bench.session)
     labels = {key.rpartition("#")[2]: entry.row.value for key, entry in rows.items()}
     assert (labels["j"], labels["k"]) == (True, None)
+
+
+def test_joint_without_a_check_box_in_the_style_rejects_a_value() -> None:
+    bench = Bench()
+    joints = "".join(
+        f'<joint name="{name}" type="fixed"><parent link="{parent}"/><child link="{child}"/></joint>'
+        for name, parent, child in (("m", "root", "world"), ("l", "world", "base"))
+    )
+    text = ARM.format(arm=CYLINDER).replace(
+        "</robot>", f'<link name="root"/><link name="world"/>{joints}</robot>'
+    )
+    display = standing(bench, **{"Link Tree Style": "Joints in Alphabetic Order"})
+    bench.publish("/robot_description", String(data=text), qos=LATCHED)
+    bench.update()
+    with pytest.raises(CourseError, match="joint 'm' has no check box, because its link has no geometry"):
+        display["Joints/m"] = False
+    display["Link Tree Style"] = "Tree of links and joints"
+    display["Joints/m"] = False
+    assert not visible_drawables(bench)
 
 
 def test_axes_of_a_joint_are_drawn_in_its_frame() -> None:

@@ -113,6 +113,33 @@ def test_invalid_regular_expression_is_reported_with_its_position() -> None:
 
 
 @pytest.mark.parametrize(
+    "pattern",
+    ["(a+)+b", "(a|a)*b", "(a|ab|b)*c", "(a?){30}a{30}", "a?" * 30 + "a" * 30, ".*.*.*.*.*x", "((a*)*)*b"],
+)
+def test_regular_expression_whose_search_could_take_forever_is_rejected(pattern: str) -> None:
+    display = Bench().session.add(TF, "TF", {})
+    with pytest.raises(CourseError, match="expected a regular expression with fewer repetitions"):
+        display["Filter (whitelist)"] = pattern
+    assert display["Filter (whitelist)"] == ""
+
+
+@pytest.mark.parametrize(
+    ("pattern", "expected"),
+    [
+        ("(base|map)+$", {"base", "map"}),
+        ("^(?!cam).*$", {"base", "map"}),
+        ("c.*a.*r*", {"camera"}),
+        ("^(.).(.).r.$", {"camera"}),
+        (r"[a-m]{2,5}$|e$", {"base"}),
+    ],
+)
+def test_usual_regular_expressions_are_accepted(pattern: str, expected: set[str]) -> None:
+    bench = Bench()
+    chain(bench, show_arrows=False)["Filter (whitelist)"] = pattern
+    assert visible_parts(bench) == {f"axes/{name}" for name in expected}
+
+
+@pytest.mark.parametrize(
     ("age", "color"),
     [
         (0.0, [1, 0, 0, 1]),
