@@ -94,7 +94,7 @@ class NotebookReview:
         if self._path.suffix == ".ipynb":
             problems += map(NOT_SUBMITTED.format, own_modules(self._path, self._notebook.cells))
         if self._tasks and not self._last_checks:
-            problems.append(f"it was never checked here: run course check {_typed(self._path)} first")
+            problems.append(f"it was never checked here: run course check {_path_to_type(self._path)} first")
         silent = {"passed"} if self._last_checks else {"passed", "unchecked"}
         problems += [f"{name} {task.text}" for name, task in self.tasks.items() if task.outcome not in silent]
         problems += [*self._unchecked_cells(), *self._unsaved_warning()]
@@ -189,7 +189,7 @@ class NotebookReview:
             )
 
 
-def _typed(path: Path) -> str:
+def _path_to_type(path: Path) -> str:
     """Return a path as it is typed in a terminal in the current folder."""
     absolute = path.resolve()
     inner = absolute.relative_to(Path.cwd()) if absolute.is_relative_to(Path.cwd()) else path
@@ -233,7 +233,7 @@ class Receipt:
         """Return the lines for the student."""
         rows = "".join(f"\n  {key:11} {value or 'none'}" for key, value in self.content.items())
         no_id = "" if self.content["student"] else f"\n{NO_ID.format(first_lesson())}"
-        warned = report(self.warnings, _typed(self.notebook))
+        warned = report(self.warnings, _path_to_type(self.notebook))
         return f"Wrote {self.file}: this is the file to submit. Its receipt:{rows}{no_id}{warned}"
 
 
@@ -300,6 +300,6 @@ def _record_submission(path: Path, notebook: Notebook, out: Path, time: str) -> 
                 problems.append(
                     f"{other.name} has {format_count(review.passed_count, 'task')} that passed, "
                     f"this notebook {hand_in.passed_count}: to submit that one, type course "
-                    f"submit {_typed(other)}"
+                    f"submit {_path_to_type(other)}"
                 )
     return problems

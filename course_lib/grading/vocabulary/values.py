@@ -174,7 +174,7 @@ def _compare_lists(
 ) -> Iterator[Problem]:
     if len(value) != len(expected):
         message = f"{name} has {format_count(len(value), 'item')}, expected {len(expected) or 'none'}"
-        items = _shorten(_rounded(value))
+        items = _shorten(_round_numbers(value))
         # The beginning of a long table does not help.
         if value and not (items.endswith("...") and any(isinstance(item, list | dict) for item in value)):
             message = f"{message}: {items}"
@@ -209,15 +209,15 @@ def _order_problem(
     )
     if not is_opposite and not _is_permutation(value, expected, tolerance):
         return None
-    actual, expected_text = map(_shorten, map(_rounded, (value, expected)))
+    actual, expected_text = map(_shorten, map(_round_numbers, (value, expected)))
     order = "the order is the other way round" if is_opposite else "the order is another one"
     return Problem(f"{name} is {actual}, expected {expected_text}: {order}", WRONG_ORDER)
 
 
-def _rounded(value: Any) -> Any:
+def _round_numbers(value: Any) -> Any:
     """Return a value with four digits of each number in its lists, to display it."""
     if isinstance(value, list):
-        return [_rounded(item) for item in value]
+        return [_round_numbers(item) for item in value]
     return float(f"{value:.4g}") if isinstance(value, float) else value
 
 

@@ -88,25 +88,25 @@ def convert(pixels: Pixels, source: str, target: str) -> Pixels:
     """Convert pixels to another encoding. Raise a RuntimeError if the conversion makes no sense."""
     if target in ("", source):
         return pixels.copy()
-    one, other = encoding_of(source), encoding_of(target)
-    if one.order and other.order:
-        if other.order not in _targets(one.order):
-            raise RuntimeError(f"Unsupported conversion from [{one.name}] to [{other.name}]")
-    elif other.order:
+    old, new = encoding_of(source), encoding_of(target)
+    if old.order and new.order:
+        if new.order not in _targets(old.order):
+            raise RuntimeError(f"Unsupported conversion from [{old.name}] to [{new.name}]")
+    elif new.order:
         raise RuntimeError(
-            f"[{one.name}] is not a color format. but [{other.name}] is. The conversion does not make sense"
+            f"[{old.name}] is not a color format. but [{new.name}] is. The conversion does not make sense"
         )
-    elif one.channels != other.channels and one.order:
+    elif old.channels != new.channels and old.order:
         raise RuntimeError(
-            f"[{one.name}] is a color format but [{other.name}] is not so they must have the same "
+            f"[{old.name}] is a color format but [{new.name}] is not so they must have the same "
             "OpenCV type, CV_8UC3, CV16UC1 ...."
         )
-    elif one.channels != other.channels:
-        raise RuntimeError(f"[{one.name}] and [{other.name}] do not have the same number of channel")
-    if one.order == other.order or not (one.order and other.order):
-        return _scaled(pixels, one, other)
-    converted = _colored(pixels, one, other)
-    return converted if one.bits == other.bits else _scaled(converted, one, other)
+    elif old.channels != new.channels:
+        raise RuntimeError(f"[{old.name}] and [{new.name}] do not have the same number of channel")
+    if old.order == new.order or not (old.order and new.order):
+        return _convert_depth(pixels, old, new)
+    converted = _convert_colors(pixels, old, new)
+    return converted if old.bits == new.bits else _convert_depth(converted, old, new)
 
 
 def _targets(order: str) -> tuple[str, ...]:
@@ -115,37 +115,37 @@ def _targets(order: str) -> tuple[str, ...]:
     return ("mono", "rgb", "bgr", "rgba", "bgra", *(("yuv422",) if order == "yuv422" else ()))
 
 
-def _scaled(pixels: Pixels, one: Encoding, other: Encoding) -> Pixels:
+def _convert_depth(pixels: Pixels, old: Encoding, new: Encoding) -> Pixels:
     """Convert pixels to another depth.
 
     Between 8 and 16 bits the values are scaled to the full range.
     """
-    factor = {(8, 16): 65535.0 / 255.0, (16, 8): 255.0 / 65535.0}.get((one.bits, other.bits), 1.0)
+    factor = {(8, 16): 65535.0 / 255.0, (16, 8): 255.0 / 65535.0}.get((old.bits, new.bits), 1.0)
     stretched: Pixels = pixels.astype(np.float64) * factor
-    if other.dtype.kind == "f":
-        return stretched.astype(other.dtype)
-    limits = np.iinfo(other.dtype.name)
-    return np.clip(np.rint(stretched), limits.min, limits.max).astype(other.dtype)
+    if new.dtype.kind == "f":
+        return stretched.astype(new.dtype)
+    limits = np.iinfo(new.dtype.name)
+    return np.clip(np.rint(stretched), limits.min, limits.max).astype(new.dtype)
 
 
-def _colored(pixels: Pixels, one: Encoding, other: Encoding) -> Pixels:
-    if one.order.startswith("bayer"):
-        planes = _bayer_planes(pixels, one.order.removeprefix("bayer_"))
-        if other.order == "mono":
+def _convert_colors(pixels: Pixels, old: Encoding, new: Encoding) -> Pixels:
+    if old.order.startswith("bayer"):
+        planes = _bayer_planes(pixels, old.order.removeprefix("bayer_"))
+        if new.order == "mono":
             return _gray(planes, _BAYER_GRAY, 16).astype(pixels.dtype)
         planes = {name: (plane + 2) >> 2 for name, plane in planes.items()}
-    elif one.order in _PARTS:
-        if other.order == "mono":
-            return pixels[..., _PARTS[one.order][1]].copy()
-        planes = _yuv_planes(pixels, *_PARTS[one.order])
-    elif one.order == "mono":
+    elif old.order in _PARTS:
+        if new.order == "mono":
+            return pixels[..., _PARTS[old.order][1]].copy()
+        planes = _yuv_planes(pixels, *_PARTS[old.order])
+    elif old.order == "mono":
         planes = dict.fromkeys("rgb", pixels)
     else:
-        planes = {name: pixels[..., place] for place, name in enumerate(one.order)}
-    if other.order == "mono":
+        planes = {name: pixels[..., place] for place, name in enumerate(old.order)}
+    if new.order == "mono":
         return _gray(planes, _GRAY, 15).astype(pixels.dtype)
     planes.setdefault("a", np.full(pixels.shape[:2], np.iinfo(pixels.dtype).max))
-    return np.stack([planes[name] for name in other.order], axis=-1).astype(pixels.dtype)
+    return np.stack([planes[name] for name in new.order], axis=-1).astype(pixels.dtype)
 
 
 def _gray(planes: Mapping[str, Pixels], weights: Mapping[str, int], bits: int) -> Pixels:
@@ -248,7 +248,7 @@ class CvBridge:
         pixels = pixels[..., 0] if channels == 1 else pixels
         if desired_encoding == "passthrough":
             return pixels
-        return _converted(pixels, img_msg.encoding, desired_encoding)
+        return _convert(pixels, img_msg.encoding, desired_encoding)
 
     def compressed_imgmsg_to_cv2(
         self, cmprs_img_msg: CompressedImage, desired_encoding: str = "passthrough"
@@ -266,7 +266,7 @@ class CvBridge:
             pixels = pixels.astype(np.uint16)
         if pixels.ndim > 2:
             pixels = np.ascontiguousarray(pixels[..., _blue_first(pixels)])
-        return pixels if desired_encoding == "passthrough" else _converted(pixels, "bgr8", desired_encoding)
+        return pixels if desired_encoding == "passthrough" else _convert(pixels, "bgr8", desired_encoding)
 
     def cv2_to_imgmsg(
         self, cvim: Pixels, encoding: str = "passthrough", header: Header | None = None
@@ -320,7 +320,7 @@ def _type_of(cvim: Any) -> tuple["np.dtype[Any]", int]:
     return cvim.dtype, 1 if len(shape) < 3 else shape[2]
 
 
-def _converted(pixels: Pixels, source: str, target: str) -> Pixels:
+def _convert(pixels: Pixels, source: str, target: str) -> Pixels:
     try:
         return convert(pixels, source, target)
     except RuntimeError as error:

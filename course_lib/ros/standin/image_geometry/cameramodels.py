@@ -102,9 +102,9 @@ class PinholeCameraModel:
         if not (msg.roi.x_offset or msg.roi.y_offset or msg.roi.width or msg.roi.height):
             self.raw_roi.width, self.raw_roi.height = self.resolution
         self.tf_frame, self.stamp = msg.header.frame_id, msg.header.stamp
-        self.K, self.P = self._reduced(self.full_K), self._reduced(self.full_P)
+        self.K, self.P = self._crop_matrix(self.full_K), self._crop_matrix(self.full_P)
 
-    def _reduced(self, full: Any) -> Any:
+    def _crop_matrix(self, full: Any) -> Any:
         """Return a camera matrix adapted to the message's binning and region of interest."""
         reduced = full.copy()
         rows = ((0, self.raw_roi.x_offset, self.binning_x), (1, self.raw_roi.y_offset, self.binning_y))

@@ -105,7 +105,7 @@ class RewrittenYaml(Substitution):
                     inside[key] = _value(rewrites[inside[key]], convert_types)
             names = {key: text_of(context, text) for key, text in (key_rewrites or {}).items()}
             root = text_of(context, root_key or "")
-            renamed = _renamed(data, names)
+            renamed = _rename_keys(data, names)
             return _write_temporary(yaml.dump({root: renamed} if root else renamed), "")
 
         super().__init__(make)
@@ -161,7 +161,7 @@ def _leaves(data: Any, prefix: str) -> Iterator[tuple[_Place, str]]:
         yield (data, key), path
 
 
-def _renamed(data: Any, names: Mapping[str, str]) -> Any:
+def _rename_keys(data: Any, names: Mapping[str, str]) -> Any:
     if not isinstance(data, dict):
         return data
-    return {names.get(key, key): _renamed(value, names) for key, value in data.items()}
+    return {names.get(key, key): _rename_keys(value, names) for key, value in data.items()}

@@ -51,7 +51,7 @@ def array_to_pointcloud2(
     frame_id: str | None = None,
 ) -> PointCloud2:
     """Convert a structured array, or a mapping with `xyz`, `rgb` and `intensity`, to a cloud."""
-    points = _structured(cloud_arr) if isinstance(cloud_arr, Mapping) else np.asarray(cloud_arr)
+    points = _structured_array(cloud_arr) if isinstance(cloud_arr, Mapping) else np.asarray(cloud_arr)
     if points.dtype.names is None:
         raise TypeError("a cloud is a structured array with the fields x, y and z, or a mapping with xyz")
     rows = np.atleast_2d(points)
@@ -160,7 +160,7 @@ def merge_rgb_fields(cloud_arr: Any) -> NDArray[Any]:
     return merged  # type: ignore[no-any-return]
 
 
-def _structured(parts: Mapping[str, Any]) -> NDArray[Any]:
+def _structured_array(parts: Mapping[str, Any]) -> NDArray[Any]:
     if "xyz" not in parts:
         raise ValueError('a mapping needs the coordinates: {"xyz": array of the shape (N, 3)}')
     xyz = np.asarray(parts["xyz"], dtype=np.float32).reshape(-1, 3)

@@ -125,7 +125,7 @@ def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> s
             check(name)
         except NameValidationException as error:
             raise ValueError(f"{kind} '{name}' is invalid: {error.error_msg}") from None
-    return _expanded(topic_name, node_name, node_namespace)
+    return _expand(topic_name, node_name, node_namespace)
 
 
 def expand_name(topic: str, node_name: str, namespace: str, kind: Kind = "topic") -> str:
@@ -134,7 +134,7 @@ def expand_name(topic: str, node_name: str, namespace: str, kind: Kind = "topic"
     `x` is relative to the namespace, `~/x` to the node's name; `{node}` and `{ns}` are substituted.
     """
     validate_topic_name(topic, is_service=kind == "service")
-    full = _expanded(topic, node_name, namespace)
+    full = _expand(topic, node_name, namespace)
     _refuse(full, FULL_TOPIC, _ERRORS[kind])
     return full
 
@@ -185,7 +185,7 @@ def validate_parameter_name(name: str) -> bool:
     return True
 
 
-def _expanded(topic: str, node_name: str, namespace: str) -> str:
+def _expand(topic: str, node_name: str, namespace: str) -> str:
     prefix = namespace.rstrip("/")
     expanded = f"{prefix}/{node_name}{topic[1:]}" if topic.startswith("~") else topic
     replacements = {"node": node_name, "ns": namespace, "namespace": namespace}
