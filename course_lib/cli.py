@@ -184,8 +184,8 @@ def release(
     A solution is released only after the last submission of its week that can get points.
     """
     from course_lib.authoring.verify import refuse_broken, report_placeholders
-    from course_lib.course.student_folder import free_folder, renew_exercises, require_closed
-    from course_lib.course.student_folder import release as write
+    from course_lib.course.release import free_folder, renew_exercises, require_closed
+    from course_lib.course.release import release as write
     from course_lib.grading.store import this_course
 
     free_folder(out)
@@ -581,7 +581,7 @@ def lab(
     server: Annotated[bool, typer.Option(help="Start JupyterLab; otherwise only write the folder.")] = True,
 ) -> None:
     """Open JupyterLab on your course folder."""
-    from course_lib.course.student_folder import lab as open_lab
+    from course_lib.course.lab import lab as open_lab
 
     open_lab(work_dir, port=port, browser=browser, serves=server)
 
@@ -829,7 +829,7 @@ def status(
     """Show your progress and the next step."""
     from rich.console import Console
 
-    from course_lib.course.student_folder import status as look
+    from course_lib.course.progress import status as look
 
     table, then = look(work_dir)
     Console().print(table)

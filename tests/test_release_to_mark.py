@@ -35,9 +35,7 @@ def student(instructors: Path) -> Path:
     """A student's machine: the released project, installed in a new environment."""
     home = instructors.parent / "student"
     # `course release` would verify all weeks before, which tests/notebooks/test_answers.py does.
-    write = (
-        "import pathlib; from course_lib.course.student_folder import release; release(pathlib.Path({!r}))"
-    )
+    write = "import pathlib; from course_lib.course.release import release; release(pathlib.Path({!r}))"
     run(sys.executable, "-c", write.format(str(home / "course")), cwd=ROOT)
     venv.create(home / "venv", with_pip=False)
     # pip and the dependencies, which take a minute to download, come from this environment; not the

@@ -77,7 +77,7 @@ def test_new_course_can_be_verified_released_installed_and_graded(project: Path,
     run(python, "-m", "pytest", "-q", "-p", "no:nbmake", "tests", cwd=project)
     students = project.parent / "students"
     # `course release` would verify the same files again; tests/authoring/test_guide.py runs it.
-    code = "from pathlib import Path; from course_lib.course.student_folder import release; "
+    code = "from pathlib import Path; from course_lib.course.release import release; "
     run(python, "-c", f"{code}release(Path({str(students)!r}))", cwd=project)
     names = {path.relative_to(students).as_posix() for path in students.rglob("*") if path.is_file()}
     assert {f"{PACKAGE}/__init__.py", "exercises/week01_exercise.ipynb", "pyproject.toml"} <= names

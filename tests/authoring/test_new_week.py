@@ -110,7 +110,7 @@ def test_release_reports_template_placeholders(
 ) -> None:
     monkeypatch.setattr("course_lib.grading.store.this_course", lambda: course)
     monkeypatch.setattr("course_lib.authoring.verify.refuse_broken", lambda *_: None)  # takes minutes
-    monkeypatch.setattr("course_lib.course.student_folder.release", lambda out, solutions: [out])
+    monkeypatch.setattr("course_lib.course.release.release", lambda out, solutions: [out])
     cli.release(tmp_path / "out")
     note, done = capsys.readouterr().out.splitlines()
     assert re.fullmatch(r"note: week09: \d+ places of the template left, look for REPLACE", note)

@@ -1,7 +1,8 @@
 from pathlib import Path
 
+from course_lib.course.progress import contents_page, load_weeks, write_contents
 from course_lib.course.state import State
-from course_lib.course.student_folder import contents_page, load_weeks, shipped_files, write_contents
+from course_lib.course.student_folder import shipped_files
 
 
 def test_every_lesson_is_listed_with_minutes_and_a_link(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
-from course_lib.course.student_folder import KERNEL_STARTUP
+from course_lib.course.lab import KERNEL_STARTUP
 from tests.patience import PATIENCE
 
 HINT = "hint: run the cells above first, beginning with the first one, %load_ext course_lib "

@@ -19,8 +19,8 @@ from nbconvert import HTMLExporter, SlidesExporter
 from nbformat.v4 import new_code_cell, new_notebook, new_output
 from traitlets.config.loader import JSONFileConfigLoader
 
-from course_lib.course import student_folder as lab_module
-from course_lib.course.student_folder import can_open_browser, command, free_port, lab, provide_home
+from course_lib.course import lab as lab_module
+from course_lib.course.lab import can_open_browser, command, free_port, lab, provide_home
 from course_lib.errors import CourseError
 from tests.patience import PATIENCE
 from tests.processes import Program

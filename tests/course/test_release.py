@@ -13,11 +13,13 @@ from zoneinfo import ZoneInfo
 import pytest
 
 from course_lib import cli
+from course_lib.course import release as release_module
 from course_lib.course import student_folder
 from course_lib.course.course_file import CourseFile, LatePolicy, WeekSettings
 from course_lib.course.exercise import BEGIN, END, read_notebook, source
+from course_lib.course.release import EXTENSIONS, _copy, _without_extensions, release
 from course_lib.course.state import checkout_root, lessons_dir, solutions_dir
-from course_lib.course.student_folder import EXTENSIONS, SOLUTIONS, _copy, _without_extensions, release
+from course_lib.course.student_folder import SOLUTIONS
 from course_lib.errors import CourseError
 from course_lib.grading.records import count_days_late
 from tests.patience import PATIENCE
@@ -112,7 +114,7 @@ def test_week_without_an_end_never_closes(week: str, late: dict[str, float], mes
 def test_solution_is_released_only_after_its_week_closes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(student_folder, "shipped_course_file", lambda: settings(accepted_days=2))
+    monkeypatch.setattr(release_module, "shipped_course_file", lambda: settings(accepted_days=2))
     place = tmp_path / "students"
     until = "week01 can be handed in for points until 2027-03-12 12:00"
     before = datetime(2027, 3, 12, 11, 59, tzinfo=UTC)
@@ -148,7 +150,7 @@ def clock_at(monkeypatch: pytest.MonkeyPatch, now: datetime) -> Iterator[None]:
             return cls.fromtimestamp(now.timestamp(), tz)
 
     with monkeypatch.context() as patch:
-        patch.setattr(student_folder, "datetime", Clock)
+        patch.setattr(release_module, "datetime", Clock)
         yield
 
 
@@ -170,7 +172,7 @@ def test_nonempty_release_folder_is_rejected_and_unchanged(tmp_path: Path) -> No
 
 
 def test_outdated_exercise_prevents_the_release(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(student_folder, "write_exercises", lambda: [Path("week01_exercise.ipynb")])
+    monkeypatch.setattr(release_module, "write_exercises", lambda: [Path("week01_exercise.ipynb")])
     with pytest.raises(CourseError, match=r"week01_exercise\.ipynb.*Review and commit"):
         release(tmp_path / "out")
     assert not (tmp_path / "out").exists()
@@ -257,13 +259,13 @@ def test_release_of_a_custom_course_contains_a_student_readme(
     (tmp_path / "exercises").mkdir()
     (tmp_path / "exercises/course.toml").write_text('title = "Maps"\ntime_zone = "UTC"\n\n[weeks]\n')
     (tmp_path / "README.md").write_text("course verify")
-    monkeypatch.setattr(student_folder, "course_package", lambda: tmp_path / "maps")
-    readme = student_folder._readme(tmp_path)
+    monkeypatch.setattr(release_module, "course_package", lambda: tmp_path / "maps")
+    readme = release_module._readme(tmp_path)
     assert readme.startswith("# Maps\n")
     assert "course lab" in readme
     assert "verify" not in readme
     (tmp_path / "README_students.md").write_text("# Welcome")
-    assert student_folder._readme(tmp_path) == "# Welcome"
+    assert release_module._readme(tmp_path) == "# Welcome"
 
 
 def test_release_on_a_full_disk_is_reported_and_leaves_the_folder_empty(small_disk: Path) -> None:
@@ -274,7 +276,7 @@ def test_release_on_a_full_disk_is_reported_and_leaves_the_folder_empty(small_di
 
 def test_killed_release_leaves_no_released_files(tmp_path: Path) -> None:
     code = (
-        "import os, sys; from pathlib import Path; from course_lib.course import student_folder as f\n"
+        "import os, sys; from pathlib import Path; from course_lib.course import release as f\n"
         "f._readme = lambda root: os.kill(os.getpid(), 9)\n"
         "f.release(Path(sys.argv[1]))"
     )

@@ -7,10 +7,10 @@ from zoneinfo import ZoneInfo
 import pytest
 from rich.console import Console
 
-from course_lib.course import student_folder
+from course_lib.course import progress
 from course_lib.course.course_file import shipped_course_file
+from course_lib.course.progress import _due, contents_page, load_weeks
 from course_lib.course.state import State
-from course_lib.course.student_folder import _due, contents_page, load_weeks
 from course_lib.errors import CourseError
 
 
@@ -23,7 +23,7 @@ def state(tmp_path: Path) -> State:
 
 def printed(folder: Path) -> str:
     console = Console(width=200, file=StringIO(), record=True)
-    console.print(*student_folder.status(folder))
+    console.print(*progress.status(folder))
     return console.export_text()
 
 
@@ -71,7 +71,7 @@ def test_faulty_week_table_makes_only_its_deadline_unknown(
     course = shipped_course_file()
     weeks = {week: settings for week, settings in course.weeks.items() if week != "week02"}
     faulty = replace(course, weeks=weeks, faults={"week02": "course.toml line 41: weeks: week02: 7"})
-    monkeypatch.setattr(student_folder, "shipped_course_file", lambda: faulty)
+    monkeypatch.setattr(progress, "shipped_course_file", lambda: faulty)
     for lines in (printed(tmp_path).splitlines(), contents_page(state).splitlines()):
         (row,) = [line for line in lines if "unknown, as course.toml has a fault" in line]
         assert "Joint states" in row
@@ -80,5 +80,5 @@ def test_faulty_week_table_makes_only_its_deadline_unknown(
 
 def test_status_outside_a_folder_prints_the_command_to_use(tmp_path: Path) -> None:
     with pytest.raises(CourseError, match="run course lab first"):
-        student_folder.status(tmp_path)
-    assert student_folder.progress(load_weeks()[0], State(None)).tasks == ""
+        progress.status(tmp_path)
+    assert progress.progress(load_weeks()[0], State(None)).tasks == ""

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from course_lib.course import student_folder
+from course_lib.course import progress
 from course_lib.course.state import State
 from course_lib.errors import CourseError
 from course_lib.grading.check import check
@@ -237,7 +237,7 @@ def test_status_reports_the_packed_tasks_and_whether_the_package_is_current(
     checked: list[str], write: Callable[..., Path], folder: Path
 ) -> None:
     def told() -> Any:
-        return student_folder.status(folder)[1].splitlines()
+        return progress.status(folder)[1].splitlines()
 
     packed: Receipt = submit(folder / "week01_exercise.ipynb")
     assert told()[0] == (

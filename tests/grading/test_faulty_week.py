@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import course_lib.grading.check as check_module
-from course_lib.course import student_folder
+from course_lib.course import release
 from course_lib.course.course_file import read_course_file
 from course_lib.errors import CourseError
 from course_lib.grading.check import check
@@ -128,7 +128,7 @@ def test_autograder_is_created_only_for_weeks_without_faults(course: Course) -> 
 
 def test_course_with_a_faulty_week_is_not_released(course: Course) -> None:
     with pytest.raises(CourseError, match=SAID):
-        student_folder._without_extensions(write(course, FAULTY))
+        release._without_extensions(write(course, FAULTY))
 
 
 def test_check_with_no_valid_week_shows_the_correct_call(

@@ -7,7 +7,7 @@ from zoneinfo import ZoneInfo
 
 import pytest
 
-from course_lib.course import student_folder
+from course_lib.course import release
 from course_lib.course.course_file import read_course_file, shipped_course_file
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
@@ -102,12 +102,12 @@ def test_group_with_the_name_of_a_member_is_rejected(course: Course) -> None:
 
 
 def test_released_course_contains_no_groups(course: Course) -> None:
-    text = student_folder._without_extensions(settings(course, "", GROUPS))
+    text = release._without_extensions(settings(course, "", GROUPS))
     assert "team" not in text.lower()
     path = settings(course, "")
     path.write_text('groups.team = ["ada"]\n' + path.read_text())
     with pytest.raises(CourseError, match=r"write the students' groups as a table, \[groups\]"):
-        student_folder._without_extensions(path)
+        release._without_extensions(path)
 
 
 def test_rejected_submission_never_replaces_an_accepted_one(
