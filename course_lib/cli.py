@@ -497,7 +497,7 @@ def _mark_without_file(
     *,
     withdraw: bool,
 ) -> str:
-    from course_lib.grading.marking.marking_queue import mark_without_file
+    from course_lib.grading.marking.by_hand import mark_without_file
 
     if row or len(given) != len(("STUDENT", "EXERCISE")) + (not withdraw):
         raise CourseError(
@@ -520,7 +520,7 @@ def _mark(
 
     Without points, update reports and gradebook from the stored marks.
     """
-    from course_lib.grading.marking.marking_queue import mark_by_hand
+    from course_lib.grading.marking.by_hand import mark_by_hand
     from course_lib.grading.marking.server import follow_marks
 
     if not is_lms and not (given or row or comment or withdraw):

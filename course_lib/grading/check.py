@@ -17,7 +17,7 @@ from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import personal_values
 from course_lib.grading.judge import judge_task
 from course_lib.grading.records import Run, TaskResult
-from course_lib.grading.reports.table import Table
+from course_lib.grading.reports.rendering import Table
 from course_lib.grading.run.outcome import printed_lines
 from course_lib.grading.run.scenario import run_in_this_process
 from course_lib.grading.submissions.notebook import NOT_SUBMITTED

@@ -36,8 +36,8 @@ from course_lib.grading.jail.filters import Need
 from course_lib.grading.judge import judge
 from course_lib.grading.marks import GradebookRow, MarkedResult, mark, read_marks, stored_result
 from course_lib.grading.records import Fault, Judgement, Result, Submission, TaskResult
+from course_lib.grading.reports.rendering import join_few, printable, say
 from course_lib.grading.reports.report import has_page, report
-from course_lib.grading.reports.table import join_few, printable, say
 from course_lib.grading.reports.tables import review_reasons, write_check_times, write_tables
 from course_lib.grading.run.run import Job, StoredRun, plan_scenarios, prepare, run, store_evidence, unpack
 from course_lib.grading.submissions.archives import working_files

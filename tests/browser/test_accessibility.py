@@ -8,7 +8,7 @@ from playwright.sync_api import Page
 
 from course_lib.displays.statuses import Level, StatusRow, StatusTable
 from course_lib.grading.records import CheckResult, TaskResult
-from course_lib.grading.reports.table import Table
+from course_lib.grading.reports.rendering import Table
 from course_lib.ros.graph.graph import Graph
 from course_lib.tools.rqt.monitors import ConsoleView
 from course_lib.viewer.html import save_html

@@ -17,7 +17,7 @@ from course_lib.grading.advice import Advice, call_note
 from course_lib.grading.check import CheckFailedError, check, next_step
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.records import CheckResult, TaskResult
-from course_lib.grading.reports.table import Table
+from course_lib.grading.reports.rendering import Table
 from course_lib.grading.store import Course
 from course_lib.grading.task import Call, Row, Scenario, Task, load_catalog, shipped_catalog
 

@@ -12,7 +12,7 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.marking.marking_queue import mark_by_hand
+from course_lib.grading.marking.by_hand import mark_by_hand
 from course_lib.grading.reports import report
 from course_lib.grading.reports.report import feedback
 from course_lib.grading.store import Course

@@ -7,7 +7,7 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.marking.marking_queue import mark_by_hand, mark_without_file
+from course_lib.grading.marking.by_hand import mark_by_hand, mark_without_file
 from course_lib.grading.marks import results_in
 from course_lib.grading.reports.report import feedback, show_hidden_checks
 from course_lib.grading.store import Course

@@ -13,7 +13,7 @@ from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
 from course_lib.grading.jail.filters import LAYERS
 from course_lib.grading.jail.launch import TemplateProcess
-from course_lib.grading.marking.marking_queue import mark_by_hand
+from course_lib.grading.marking.by_hand import mark_by_hand
 from course_lib.grading.marks import read_result
 from course_lib.grading.run.scenario import run_in_this_process
 from course_lib.grading.store import Course, catalog_of, rules_of

@@ -11,7 +11,7 @@ import pytest
 
 from course_lib.grading.grade import grade
 from course_lib.grading.inputs import personal_values
-from course_lib.grading.marking.marking_queue import mark_by_hand
+from course_lib.grading.marking.by_hand import mark_by_hand
 from course_lib.grading.run.run import Job, plan_scenarios
 from course_lib.grading.store import Course, catalog_of
 from course_lib.grading.submissions.collect import collect

@@ -20,7 +20,7 @@ from course_lib.grading.records import (
     TaskResult,
     count_days_late,
 )
-from course_lib.grading.reports.table import escape_formula
+from course_lib.grading.reports.rendering import escape_formula
 from course_lib.grading.reports.tables import write_gradebook
 from course_lib.grading.task import Scenario, Task
 

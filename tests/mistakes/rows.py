@@ -26,7 +26,7 @@ from course_lib.grading.advice import Advice
 from course_lib.grading.check import table_of
 from course_lib.grading.judge import judge_task
 from course_lib.grading.records import Run
-from course_lib.grading.reports.table import ALL_PASSED, FOR_A_PERSON
+from course_lib.grading.reports.rendering import ALL_PASSED, FOR_A_PERSON
 from course_lib.grading.run.outcome import describe
 from course_lib.grading.run.scenario import ScenarioGraph
 from course_lib.grading.task import Task

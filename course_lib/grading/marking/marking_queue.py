@@ -1,26 +1,15 @@
-"""The tasks of all submissions, for several graders who mark at the same time.
-
-It also holds `course mark` for a single task.
-
-Marks appear in gradebook, index and report.
-"""
+"""The tasks of all submissions, for several graders who mark at the same time."""
 
 import hashlib
-import re
 import threading
 import time
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from pygments.lexers.python import PythonLexer
-from pygments.token import Token
-
-from course_lib.course.course_file import POINTS_PER_WEEK, CourseFile
-from course_lib.course.exercise import normalise
-from course_lib.errors import CourseError, did_you_mean
+from course_lib.errors import CourseError
 from course_lib.grading import store
 from course_lib.grading.marks import (
     MarkedResult,
@@ -28,109 +17,12 @@ from course_lib.grading.marks import (
     add_marks,
     apply_marks,
     has_task_mark,
-    mark,
     read_result,
     revision_of,
     standing_marks,
     stored_result,
 )
-from course_lib.grading.records import HandMark, ReceiptTime, Result, Submission, TaskResult
-from course_lib.grading.reports.report import report
-from course_lib.grading.reports.table import say, strip_control_characters
-from course_lib.grading.reports.tables import write_tables
-from course_lib.grading.submissions.archives import working_files
-from course_lib.grading.submissions.notebook import parse_notebook
-from course_lib.grading.submissions.roster import UNKNOWN
-from course_lib.grading.submissions.submission import content_hash, graded_file, unpack
-from course_lib.grading.task import Task
-
-MAX_SHOWN = 60_000  # characters of a cell or file
-MAX_COLOURED = 20_000  # characters of a cell
-MAX_CELLS = 300
-# Syntax highlighting classes of the page, by pygments' tokens.
-KINDS = (
-    (Token.Comment, "remark"),
-    (Token.Literal.String, "string"),
-    (Token.Literal.Number, "number"),
-    (Token.Keyword, "keyword"),
-    (Token.Operator.Word, "keyword"),
-    (Token.Name.Function, "name"),
-    (Token.Name.Class, "name"),
-)
-Pieces = list[tuple[str, str]]  # kind and text
-
-
-def submitted_code(submission: Submission, out: Path, task: Task | None) -> dict[str, Any]:
-    """Return the code cells and files of a submission as plain data, or an error message.
-
-    Args:
-        submission: As its result has it.
-        out: The folder of records.
-        task: The task whose cells are marked.
-    """
-    path = graded_file(submission, out)
-    try:
-        data, _ = unpack(path)
-        notebook = parse_notebook(data, path.name)
-        files = working_files(path, notebook.cells)
-    except CourseError as error:
-        return {
-            "cells": [],
-            "problem": f"The code can't be shown: {error} Has the folder of submissions been moved? "
-            "`course grade` with --resume finds it again.",
-        }
-    is_unchanged = submission.sha256 in (content_hash(data, files), content_hash(data, {}))
-    own_pattern = _own_line_pattern(task) if task else None
-    cells = [
-        {
-            "title": f"Cell {number}",
-            "own": bool(own_pattern and own_pattern.search(code)),
-            "pieces": _pieces(code),
-        }
-        for number, code in enumerate(notebook.cells[:MAX_CELLS], 1)
-    ]
-    more = [
-        {"title": strip_control_characters(name), "own": False, "pieces": _plain(text)}
-        for name, text in files.items()
-    ]
-    return {
-        "cells": [*cells, *more],
-        "problem": "" if is_unchanged else "This file has changed since it was graded.",
-    }
-
-
-def _own_line_pattern(task: Task) -> re.Pattern[str]:
-    """Return a pattern for lines that define a task's object or check it.
-
-    The code need not be valid.
-    """
-    name = re.escape(task.name)
-    binds = rf"^(?:class|def|async def)\s+{name}\b|^{name}\s*[:=]"
-    return re.compile(rf"{binds}|[\"']{re.escape(task.id)}[\"']", re.MULTILINE)
-
-
-def _pieces(code: str) -> Pieces:
-    """Split a cell into pieces with one highlighting class each."""
-    return list(_highlight(strip_control_characters(code))) if len(code) <= MAX_COLOURED else _plain(code)
-
-
-def _plain(text: str) -> Pieces:
-    hidden_length = len(text) - MAX_SHOWN
-    note = [("remark", f"\n… {hidden_length} more characters")] if hidden_length > 0 else []
-    return [("", strip_control_characters(text[:MAX_SHOWN])), *note]
-
-
-def _highlight(code: str) -> Iterator[tuple[str, str]]:
-    last, text = "", ""
-    for token, piece in PythonLexer(ensurenl=False, stripnl=False).get_tokens(code):
-        kind = next((kind for token_group, kind in KINDS if token in token_group), "")
-        if kind != last and text:
-            yield last, text
-            text = ""
-        last, text = kind, text + piece
-    if text:
-        yield last, text
-
+from course_lib.grading.records import HandMark, TaskResult
 
 PRESENT = 10.0  # [s] time without requests after which a page is considered closed
 MOST_COMMENTS = 30  # comments offered for reuse
@@ -326,176 +218,3 @@ def _item(task: TaskResult, result: MarkedResult, *, waits: bool) -> QueueItem:
         note=submission.id_note,
         revision=revision_of(result.marks, task.task, submission.sha256),
     )
-
-
-def mark_by_hand(
-    out: Path,
-    student: str,
-    exercise: str,
-    task: str,
-    points: str = "",
-    *,
-    row: str = "",
-    comment: str = "",
-    withdraw: bool = False,
-    course: store.Course | None = None,
-) -> str:
-    """Store the points of a grader, and return a line with the new mark.
-
-    Args:
-        out: The folder that `course grade` wrote.
-        student: The student as in the gradebook.
-        exercise: "week01_exercise".
-        task: "week01.essay", or "essay".
-        points: A number, for the row if one is given, else for the whole task instead of the
-            checks' points.
-        row: A row of the rubric: its number from 1, or the beginning of its text.
-        comment: A comment for the student; "" keeps the existing one.
-        withdraw: Withdraw earlier marks instead of giving points; the checks' points count again.
-        course: The course with the tasks; default: this checkout.
-
-    Raises:
-        CourseError: The student, exercise, task or row does not exist; too many points; or no mark
-            to withdraw.
-    """
-    entry = (
-        MarkEntry(None, row, withdraw=True) if withdraw else MarkEntry(_number(points), row, comment or None)
-    )
-    catalog = store.catalog_of(course or store.this_course())
-    student = known_name(student, out / "results", "student")
-    exercise = known_name(exercise, out / "results" / student, "exercise")
-    path = store.result_path(out, student, exercise)
-    with store.lock_folder(out, say), store.writing(out):
-        result, file = read_result(path).result, store.marks_path(out, student, exercise)
-        tasks = {task_result.task: task_result for task_result in result.tasks}
-        task = _find_task(task, tasks, f"{exercise} of {student}")
-        (stored_mark,) = add_marks(file, tasks[task], [entry], sha256=result.submission.sha256)
-        report(result, out, catalog)
-        write_tables(out, catalog.course.zone)
-    now, target = read_result(path).row, f"{task} ({stored_mark.row})" if stored_mark.row else task
-    change = f"mark for {target} withdrawn" if withdraw else f"{stored_mark.points:g} for {target}"
-    points_now = f"{now.mark.final:g}, " if now.mark else ""
-    return f"{student} {exercise}: {change}; now {points_now}{now.status}"
-
-
-def mark_without_file(
-    out: Path,
-    student: str,
-    exercise: str,
-    points: str = "",
-    *,
-    comment: str = "",
-    withdraw: bool = False,
-    course: store.Course | None = None,
-) -> str:
-    """Store a grader's points for work without a gradable file, such as an oral exam.
-
-    Return a line for the terminal.
-
-    Args:
-        out: The folder of records, in which the student may be new.
-        student: The student's ID.
-        exercise: "week01_exercise", or "week01".
-        points: Points for the whole exercise, without the late policy.
-        comment: A comment for the student; "" keeps the existing one.
-        withdraw: Withdraw such a mark.
-        course: The course with the tasks; default: this checkout.
-
-    Raises:
-        CourseError: The exercise does not exist, a file of it has been graded, or the points are
-            invalid.
-    """
-    entry = MarkEntry(None, withdraw=True) if withdraw else MarkEntry(_number(points), "", comment or None)
-    catalog = store.catalog_of(course or store.this_course())
-    weeks = {week: settings for week, settings in catalog.course.weeks.items() if settings.points}
-    week = normalise(exercise).removesuffix("_exercise")
-    if week not in weeks:
-        known_exercises = ", ".join(f"{week}_exercise" for week in weeks)
-        raise CourseError(f"there is no exercise {exercise!r}; exercises with points: {known_exercises}")
-    student, exercise = normalise(student), f"{week}_exercise"
-    path = store.result_path(out, student, exercise)
-    with store.lock_folder(out, say), store.writing(out):
-        is_new = not path.is_file()
-        result = _result_without_file(student, exercise) if is_new else read_result(path).result
-        if result.judgement is not None and not withdraw:
-            raise CourseError(
-                f"{exercise} of {student} has a file that was graded: enter points for its tasks, "
-                f"course mark {out} {student} {exercise} TASK POINTS"
-            )
-        max_points = POINTS_PER_WEEK + sum(weeks[week].bonus.values())
-        exercise_result = TaskResult("", f"{exercise} of {student}", max_points, False, ())
-        (stored_mark,) = add_marks(
-            store.marks_path(out, student, exercise), exercise_result, [entry], sha256=""
-        )
-        if is_new:
-            result.write(out)
-        report(result, out, catalog)
-        write_tables(out, catalog.course.zone)
-    if stored_mark.withdrawn:
-        return f"{student} {exercise}: mark without a file withdrawn; now {read_result(path).row.status}"
-    new = ", who is new in the gradebook" if is_new else ""
-    return f"{student} {exercise}{new}: {stored_mark.points:g} without a file; now graded"
-
-
-def _result_without_file(student: str, exercise: str) -> Result:
-    """Return the result of a student who has not submitted a file."""
-    nothing = Submission(
-        student,
-        exercise,
-        Path(f"{student}/{exercise}.ipynb"),
-        ReceiptTime(None, UNKNOWN),
-        problem="no file was submitted",
-        reason="no file",
-    )
-    return mark([nothing], [None], CourseFile("", {}), "")
-
-
-def _number(points: str) -> float:
-    try:
-        return float(points)
-    except ValueError as error:
-        raise CourseError(f"{points!r} is not a number of points") from error
-
-
-def known_name(name: str, folder: Path, kind: str) -> str:
-    """Return the name of a student or an exercise as it is spelled in the results.
-
-    Raises:
-        CourseError: It does not exist; the message suggests similar names.
-    """
-    names = sorted(path.stem if path.is_file() else path.name for path in folder.glob("[!.]*"))
-    by_spelling = {_normalize(spelling): spelling for spelling in names}
-    for spelling in (_normalize(name), _normalize(f"{name}_{kind}")):
-        if spelling in by_spelling:
-            return by_spelling[spelling]
-    suggestion = (
-        did_you_mean(_normalize(name), by_spelling, 3) or f"; it has {', '.join(names[:10]) or 'none'}."
-    )
-    raise CourseError(f"{folder} has no {kind} {name!r}{suggestion}")
-
-
-def _normalize(name: str) -> str:
-    try:
-        return normalise(name)
-    except CourseError:
-        return name
-
-
-def _find_task(name: str, tasks: Collection[str], of: str) -> str:
-    """Return a task's id, given the id or its part after the dot.
-
-    Raises:
-        CourseError: It does not exist; the message suggests similar names.
-    """
-    if not tasks:
-        raise CourseError(
-            f"{of} has no tasks that were graded; gradebook.csv has the reason. Points for the "
-            "whole exercise, for paper or an oral exam: course mark OUT STUDENT EXERCISE POINTS "
-            "--without-file"
-        )
-    short = {task.split(".", 1)[-1]: task for task in tasks}
-    task_id = name if name in tasks else short.get(name)
-    if task_id is None:
-        suggestion = did_you_mean(name, [*short, *tasks], 3) or f"; it has {', '.join(short) or 'none'}."
-        raise CourseError(f"{of} has no task {name!r}{suggestion}")
-    return task_id

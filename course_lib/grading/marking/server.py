@@ -24,12 +24,13 @@ from tornado.web import Application, HTTPError, RequestHandler
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
 from course_lib.grading import store
-from course_lib.grading.marking.marking_queue import MarkingQueue, submitted_code
+from course_lib.grading.marking.marking_queue import MarkingQueue
+from course_lib.grading.marking.submitted_code import submitted_code
 from course_lib.grading.marks import MarkEntry, MarksConflictError, require_results, stored_result
 from course_lib.grading.records import Result
+from course_lib.grading.reports.rendering import fill, printable, strip_control_characters
 from course_lib.grading.reports.report import has_page, report, section_of
 from course_lib.grading.reports.scenes import shared_script
-from course_lib.grading.reports.table import fill, printable, strip_control_characters
 from course_lib.grading.reports.tables import write_tables
 from course_lib.host import hub_prefix, user_name
 from course_lib.third_party import read_json

@@ -13,7 +13,7 @@ from course_lib.course.student_folder import content_hash
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
 from course_lib.grading.check_file import check_file
-from course_lib.grading.reports.table import printable
+from course_lib.grading.reports.rendering import printable
 from course_lib.grading.submissions.choice import ACCEPTED_SUFFIXES, ANY
 from course_lib.grading.submissions.collect import PlatformTime, collect, write_receipts
 from course_lib.grading.submissions.readers import FOLDERS

@@ -28,7 +28,7 @@ from course_lib.grading.jail.filters import Need
 from course_lib.grading.judge import HIDDEN_ERROR
 from course_lib.grading.marks import MarkedResult, stored_result
 from course_lib.grading.records import CheckResult, TaskResult
-from course_lib.grading.reports.table import printable, rows, say
+from course_lib.grading.reports.rendering import printable, rows, say
 from course_lib.grading.store import Course, catalog_of, this_course
 from course_lib.grading.submissions.choice import ANY
 from course_lib.grading.submissions.collect import PlatformTime, collect, write_receipts

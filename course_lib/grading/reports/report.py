@@ -15,8 +15,8 @@ from course_lib.files import write_atomically
 from course_lib.grading import store
 from course_lib.grading.marks import MarkedResult, read_marks, require_results, results_in, task_mark
 from course_lib.grading.records import HandMark, Result, Run, TaskResult
+from course_lib.grading.reports.rendering import Row, fill, join_few, printable, say, scored_rows
 from course_lib.grading.reports.scenes import figures, shared_script
-from course_lib.grading.reports.table import Row, fill, join_few, printable, say, scored_rows
 from course_lib.grading.run.run import plan_scenarios, unpack
 from course_lib.grading.submissions.notebook import full_exercise_name
 from course_lib.grading.submissions.readers import Platform, PlatformName, platform_name

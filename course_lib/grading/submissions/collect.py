@@ -19,7 +19,7 @@ from zoneinfo import ZoneInfo
 
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
-from course_lib.grading.reports.table import escape_formula, join_few, printable
+from course_lib.grading.reports.rendering import escape_formula, join_few, printable
 from course_lib.grading.submissions import readers
 from course_lib.grading.submissions.archives import (
     ReceivedFile,

@@ -28,7 +28,7 @@ from course_lib.course.exercise import code_cells, read_notebook, source
 from course_lib.errors import CourseError
 from course_lib.files import write_atomically
 from course_lib.grading.records import Submission
-from course_lib.grading.reports.table import fill
+from course_lib.grading.reports.rendering import fill
 from course_lib.grading.store import result_path
 from course_lib.grading.task import Task
 from course_lib.third_party import read_json

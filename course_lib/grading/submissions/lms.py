@@ -10,7 +10,7 @@ from course_lib.course.exercise import normalise
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
 from course_lib.grading.marks import results_in, standing_marks
-from course_lib.grading.reports.table import escape_formula, join_few, printable
+from course_lib.grading.reports.rendering import escape_formula, join_few, printable
 from course_lib.grading.submissions.notebook import full_exercise_name
 from course_lib.grading.submissions.roster import LmsFile
 

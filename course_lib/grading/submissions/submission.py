@@ -28,7 +28,7 @@ from course_lib.errors import CourseError
 from course_lib.files import write_atomically
 from course_lib.grading.marks import attempt_of, dates_of
 from course_lib.grading.records import Result, Submission, to_plain
-from course_lib.grading.reports.table import MOST_NAMED, join_few, printable
+from course_lib.grading.reports.rendering import MOST_NAMED, join_few, printable
 from course_lib.grading.run.run import Job, plan_scenarios
 from course_lib.grading.store import Course, catalog_of, digest_of, rules_of
 from course_lib.grading.submissions.archives import RECEIPT, open_zip, read_member, working_files
