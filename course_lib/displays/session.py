@@ -170,6 +170,8 @@ class RvizSession:
                 self.context.scene.look = value
             else:
                 self.time.frame_rate = value
+            # Open panels show the new value, even while no node runs.
+            self.refresh()
 
         scene = self.context.scene
         values = (self.fixed_frame, scene.background, self.time.frame_rate, scene.look)

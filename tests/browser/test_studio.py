@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from course_lib.viewer.drawables import Camera, Lines, Sheet, Solids, Text
+from course_lib.viewer.drawables import Camera, Lines, Points, Sheet, Solids, Text
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.widget import SceneWidget
 from tests.browser.fake_host import Host, Pixels, count
@@ -104,6 +104,22 @@ def test_thin_lines_like_the_grid_fade_in_the_distance_only_in_studio_look(host:
     wait_until(lambda: line(at_rest(host)) == (40, 40), host.page)
     scene.look = "Studio"
     wait_until(lambda: line(at_rest(host)) == (0, 40), host.page)
+
+
+@pytest.mark.parametrize("background", [(48, 48, 48), (0, 0, 120)])
+def test_white_points_and_lines_are_gray_on_the_light_ground_of_studio_look(
+    host: Host, scene: Scene, background: tuple[int, int, int]
+) -> None:
+    scene.delete("box")
+    scene.background = background
+    scene.camera = Camera(eye=(0, 0, 5), up=(0, 1, 0))
+    white = (1.0, 1.0, 1.0, 1.0)
+    scene.set_object("points", Points([(0.5, 0, 0)], white, (0.5, 0.5, 0.5)))
+    scene.set_object("line", Lines([(-1, 0, 0), (0, 0, 0)], white, 0.3))
+    scene.look = "Studio"
+    is_light = background == RVIZ_GREY
+    color = (115, 115, 115) if is_light else (255, 255, 255)
+    wait_until(lambda: count(at_rest(host)[150:250, 100:300], color, 3) > 1500, host.page)
 
 
 def test_sides_in_the_shade_differ_in_brightness_in_studio_look(host: Host, scene: Scene) -> None:

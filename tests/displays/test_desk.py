@@ -86,6 +86,18 @@ def test_changed_rows_are_sent_between_orders_only_while_a_panel_is_open(
     assert "Path" not in [row["label"] for row in page.rows()]
 
 
+def test_open_panel_shows_values_set_by_a_program_while_no_node_runs(
+    page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("course_lib.displays.panel.desk.PERIOD", 0.0)
+    page.ask(act="WatchRows", watched=True)
+    viewer.options["Look"] = "Studio"
+    viewer["Grid"]["Alpha"] = 0.25
+    viewer.view["Distance"] = 3.0
+    values = {row["label"]: row.get("value") for row in page.told_rows.values()}
+    assert (values["Look"], values["Alpha"], values["Distance"]) == ("Studio", 0.25, 3.0)
+
+
 def test_page_that_was_closed_with_an_open_panel_gets_no_rows(
     page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -12,6 +12,7 @@ export const density = { value: 1 };
 /** Uniforms of the look "Studio", see studio.js; directions are in the camera's frame. */
 export const studio = {
   isStudio: { value: false },
+  isLight: { value: false }, // whether its background is light
   sun: { value: new THREE.Vector3(0, 0, 1) },
   sky: { value: new THREE.Vector3(0, 0, 1) },
   shade: { value: null },
@@ -146,9 +147,14 @@ const PLACED = `
   attribute vec4 startTint;
   uniform float pixel, density;
   uniform vec3 size;
-  uniform bool inPixels, isStudio;
+  uniform bool inPixels, isStudio, isLight;
   uniform bool grow;
   varying vec4 vColor;
+  // Points and lines that are nearly white are gray on a light ground, where they would be invisible.
+  vec3 readable(vec3 color) {
+    float white = smoothstep(0.6, 1.0, min(color.r, min(color.g, color.b)));
+    return isLight ? color * (1.0 - 0.55 * white) : color;
+  }
   float pixelAt(vec4 here) { return pixel * (isOrthographic ? 1.0 : -here.z); }`;
 
 // Ogre's billboard chain: at each point the strip has the requested width, perpendicular to the line that
@@ -175,6 +181,7 @@ const STRIP = `${PLACED}
     float width = size.x > 0.0 ? (density < 1.0 ? max(size.x, drawn) : size.x) : drawn;
     here.xyz -= across / max(length(across), 1e-9) * width * position.y;  // its front is seen
     vColor = first ? startTint : endTint;
+    vColor.rgb = readable(vColor.rgb);
     gl_Position = projectionMatrix * here;
   }`;
 
@@ -194,6 +201,9 @@ const SPOT = `${PLACED}
     #endif
     mat3 axes = mat3(1.0);
     vColor = startTint;
+    #ifndef TEXTURED
+      vColor.rgb = readable(vColor.rgb);
+    #endif
     #if defined(FACING)
       vec3 towards = isOrthographic ? vec3(0.0, 0.0, 1.0) : normalize(-here.xyz);
       vec3 right = cross(modelViewMatrix[1].xyz, towards);

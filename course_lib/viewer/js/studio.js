@@ -7,6 +7,7 @@ import { SHADOW, studio } from "./materials.js";
 // camera moves, and is rendered again only for fine pictures: coarse pictures of a moving robot, as drawn by software, have no shadow.
 
 const GROUND = [233, 236, 241]; // RGB of the background, instead of RViz's default dark gray
+const LIGHT = 128; // the darkest channel of a background that is light
 const RVIZ_GREY = [48, 48, 48].join();
 const SUN = new THREE.Vector3(0.3, 0.75, 1.1).normalize(); // direction to it, in the fixed frame
 const MAP = 1024; // [px] side of the shadow map
@@ -40,6 +41,7 @@ const paintDepth = new THREE.MeshDepthMaterial({ depthPacking: THREE.RGBADepthPa
  */
 export function setUp(engine, mirror, quality) {
   studio.isStudio.value = mirror.style === "Studio";
+  studio.isLight.value = studio.isStudio.value && Math.min(...backgroundOf(mirror)) > LIGHT;
   if (!studio.isStudio.value) return;
   studio.letters.value.fromArray(LETTERS).multiplyScalar(Math.min(window.devicePixelRatio, 2));
   const isKept = map?.engine === engine && map?.mirror === mirror && map?.version === mirror.version;
