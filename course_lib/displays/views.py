@@ -1,6 +1,7 @@
 """RViz's view controllers, which compute a camera from properties and the target frame."""
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace as dataclass_replace
 from math import asin, atan2, cos, pi, sin, tan
 from typing import Any, ClassVar
 
@@ -21,7 +22,7 @@ PITCH_LIMIT = pi / 2 - 0.001
 
 COMMON = (
     Property("Target Frame", FIXED_FRAME, frame),
-    Property("Near Clip Distance", 0.01, number(0.001)),  # [m]
+    Property("Near Clip Distance", 0.01, number(0.001, 10_000.0)),  # [m]
     Property("Invert Z Axis", False, flag),
 )
 # The properties of views that RViz does not turn upside down.
@@ -39,6 +40,10 @@ class DragRules(Message, frozen=True):
     # See `ViewController.lift`.
     lift: float
     ground: float  # [m] height of the target frame
+    # Diameter [m] of the disc at the focal point while the mouse turns the view; 0 without one.
+    focal_size: float
+    # Whether it has this diameter at any distance, and not at 1 m.
+    focal_fixed: bool
 
 
 class ViewController(PropertyHolder):
@@ -107,7 +112,15 @@ class ViewController(PropertyHolder):
 
     def drag_rules(self) -> DragRules:
         """Return the rules by which a page turns the view."""
-        return DragRules("Position" in self._values, False, False, self.lift, float(self._target[2, 3]))
+        return DragRules(
+            "Position" in self._values,
+            False,
+            False,
+            self.lift,
+            float(self._target[2, 3]),
+            self._values.get("Focal Shape Size", 0.0),
+            self._values.get("Focal Shape Fixed Size", True),
+        )
 
     def return_home(self) -> None:
         """Restore the defaults, like RViz's key Z."""
@@ -159,8 +172,14 @@ def point(array: Floats) -> tuple[float, float, float]:
 
 __all__ = ["FPS", "FrameAligned", "Orbit", "ThirdPersonFollower", "TopDownOrtho", "ViewController", "XYOrbit"]
 
+# A fraction of a vector that leaves its direction unchanged.
+_BARELY = 1e-9
 # Height of the camera that looks down [m].
 _TOP_HEIGHT = 500.0
+# Height of an Orbit that replaces a view from above, as in RViz [m].
+_ABOVE = 100.0
+# Minimum distance of a new focal point [m].
+_NEAREST_FOCUS = 0.001
 
 
 class Orbit(ViewController):
@@ -174,6 +193,9 @@ class Orbit(ViewController):
     properties = (
         *COMMON,
         Property("Distance", 10.0, number(0.001)),  # [m]
+        # The disc that is drawn at the focal point while the mouse turns the view, [m].
+        Property("Focal Shape Size", 0.05, number(0.001)),
+        Property("Focal Shape Fixed Size", True, flag),
         Property("Yaw", pi / 4, number()),
         Property("Pitch", pi / 4, number(-PITCH_LIMIT, PITCH_LIMIT)),  # [rad]
         Property("Focal Point", (0.0, 0.0, 0.0), vector),  # [m]
@@ -181,6 +203,23 @@ class Orbit(ViewController):
 
     # Whether the view rotates about z with the target frame.
     turns = False
+
+    def mimic(self, other: ViewController, frames: Frames) -> None:
+        """Move the camera to the position of another view.
+
+        A view without a focal point is turned about a point ahead that is as far away as the target
+        frame, and a view from above about the point below it.
+        """
+        super().mimic(other, frames)
+        if isinstance(other, TopDownOrtho):
+            below = {"Distance": _ABOVE, "Focal Point": (other["X"], other["Y"], 0.0)}
+            self.set_quietly({**below, "Yaw": 1.5 * pi, "Pitch": PITCH_LIMIT})
+        elif not isinstance(other, Orbit):
+            camera = other.camera(frames)
+            eye, ahead = np.array(camera.eye), np.subtract(camera.target, camera.eye)
+            distance = max(float(np.linalg.norm(eye - self._target[:3, 3])), _NEAREST_FOCUS)
+            target = point(eye + ahead / np.linalg.norm(ahead) * distance)
+            self.set_from_camera(dataclass_replace(camera, target=target))
 
     def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
         rotation, sign = self._target_rotation(transform_target_to_fixed), self._sign()
@@ -294,6 +333,17 @@ class TopDownOrtho(ViewController):
         scale = camera.orthographic_scale or self["Scale"]
         return {"Scale": scale, "Angle": atan2(right_y, right_x), "X": x, "Y": y}
 
+    def mimic(self, other: ViewController, frames: Frames) -> None:
+        """Look at the focal point of another view, or at the point below it, from above."""
+        self._values["Target Frame"] = other["Target Frame"]
+        self.camera(frames)
+        if isinstance(other, TopDownOrtho):
+            self._values |= {label: other[label] for label in ("Scale", "Angle", "X", "Y")}
+            return
+        position = np.subtract(other.camera(frames).eye, self._target[:3, 3])
+        x, y, _ = other["Focal Point"] if isinstance(other, Orbit) else point(position)
+        self._values |= {"X": x, "Y": y}
+
     def _keep_position(self, shift: Floats) -> None:
         self._values |= {"X": self["X"] + float(shift[0]), "Y": self["Y"] + float(shift[1])}
 
@@ -330,7 +380,9 @@ class FPS(ViewController):
     ) -> dict[str, Any]:
         rotation = self._target_rotation(transform_target_to_fixed)
         position = point(rotation.T @ (camera.eye - transform_target_to_fixed[:3, 3]))
-        return {"Position": position, **_angles(rotation.T @ forward)}
+        # A camera that looks straight down has its heading from the image's upward direction.
+        heading = forward + _BARELY * np.linalg.norm(forward) * np.array(camera.up)
+        return {"Position": position, **_angles(rotation.T @ heading)}
 
     def _target_rotation(self, transform_target_to_fixed: Matrix) -> Floats:
         """Return the rotation of the view with the target frame, shape (3, 3)."""

@@ -21,7 +21,8 @@ from course_lib.arrays import Bytes, Float32s, Floats, Matrix, Reals, UInt32s, V
 from course_lib.errors import CourseError
 from course_lib.third_party import LFS_POINTER, NOT_FETCHED, read_bytes
 
-FAR = 1000.0  # [m]
+# Far clipping distance of RViz's views [m].
+FAR = 100_000.0
 
 
 @dataclass(frozen=True)

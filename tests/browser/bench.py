@@ -1,6 +1,6 @@
 """A viewer in a page without Jupyter, with a graph that publishes to it."""
 
-from typing import Any
+from typing import Any, Literal
 
 from playwright.sync_api import Locator
 
@@ -46,16 +46,16 @@ class Bench:
         self.page.get_by_role("dialog").locator("button[type=submit]").click()
         self.host.carry()
 
-    def drag(self, *points: tuple[int, int]) -> None:
-        """Drag from the middle of the view by `right`, `up` pixels."""
+    def drag(self, *points: tuple[int, int], button: Literal["left", "right"] = "left") -> None:
+        """Drag from the middle of the view by `right`, `down` pixels."""
         box = self.page.locator("canvas").bounding_box()
         assert box is not None
         x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
         self.page.mouse.move(x + points[0][0], y + points[0][1])
-        self.page.mouse.down()
+        self.page.mouse.down(button=button)
         for dx, dy in points[1:]:
             self.page.mouse.move(x + dx, y + dy)
-        self.page.mouse.up()
+        self.page.mouse.up(button=button)
         self.host.carry()
 
     def hover(self, to: tuple[int, int]) -> None:

@@ -2,11 +2,12 @@
 
 import math
 
+import numpy as np
 import pytest
 from geometry_msgs.msg import Quaternion, TransformStamped
 from tf2_msgs.msg import TFMessage
 
-from course_lib.displays.views import FrameAligned, TopDownOrtho, ViewController, XYOrbit
+from course_lib.displays.views import FPS, FrameAligned, Orbit, TopDownOrtho, ViewController, XYOrbit
 from tests.browser.bench import Bench
 from tests.displays.stage import publish
 
@@ -14,7 +15,7 @@ pytestmark = pytest.mark.browser
 TURNED_AFTER = 150  # delay after which a page reports that its view is at rest [ms]
 
 
-def rests_at(bench: Bench, label: str, value: float) -> None:
+def rests_at(bench: Bench, label: str, value: object) -> None:
     """Wait until the page has reported the final camera."""
     bench.host.wait_until(lambda: bench.viewer.view[label] == pytest.approx(value, abs=1e-3))
 
@@ -79,7 +80,7 @@ def test_xy_orbit_view_keeps_its_focal_point_on_the_ground(bench: Bench) -> None
     bench.page.keyboard.up("Shift")
     canvas.press("ArrowLeft")
     canvas.press("+")
-    rests_at(bench, "Distance", 5.0 * math.exp(-0.1))
+    rests_at(bench, "Distance", 5.0 * math.exp(-0.12))
     x, y, z = view["Focal Point"]
     assert (x, z) == pytest.approx((0.0, 0.0), abs=1e-3)
     assert y < -0.05  # the point under the pointer moves to the right, which is +y
@@ -142,3 +143,52 @@ def test_full_screen_view_fills_the_area_between_the_panels(bench: Bench) -> Non
     assert box["height"] > size["height"] - 120
     assert bench.page.get_by_role("group", name="Time").is_visible()
     assert box["width"] == pytest.approx(size["width"] - 330, abs=2)
+
+
+def test_wheel_zooms_by_its_motion_and_a_disc_marks_the_focal_point_during_a_turn(bench: Bench) -> None:
+    show_view(bench, Orbit(distance=5.0, focal_point=(0.0, 3.0, 0.0), focal_shape_size=1.0))
+    bench.drag((0, 0), (0, 0))
+    bench.page.mouse.wheel(0, -120)
+    bench.page.mouse.wheel(0, 5)  # a touchpad
+    rests_at(bench, "Distance", 5.0 * math.exp(0.12 * (-1 + 0.05)))
+    before = bench.host.pixels().astype(int)
+    bench.page.mouse.down()
+    bench.host.carry()
+    change = bench.host.pixels() - before
+    is_yellow = (change[..., :2].min(axis=2) > 20) & (change[..., 2] < 0)
+    assert is_yellow.sum() > 500
+    bench.page.mouse.up()
+    bench.host.carry()
+    assert np.abs(bench.host.pixels() - before).max(axis=2)[is_yellow].mean() < 20
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("view", "label", "dragged", "turned"),
+    [
+        (Orbit(distance=5.0, yaw=0.0, pitch=0.0), "Focal Point", (1.0, 0.0, 0.0), (1.6, 0.0, 0.0)),
+        (TopDownOrtho(scale=50.0), "Scale", 50 * math.exp(-0.2), 50 * math.exp(-0.32)),
+        (XYOrbit(distance=5.0), "Distance", 5 * math.exp(0.2), 5 * math.exp(0.32)),
+        (FPS(yaw=math.pi, pitch=0.0, position=(0.0, 0.0, 1.0)), "Position", (2.214, 0, 1), (3.489, 0, 1)),
+    ],
+    ids=lambda value: repr(value) if isinstance(value, ViewController) else "",
+)
+def test_shift_with_the_right_button_or_the_wheel_acts_as_in_rviz(
+    bench: Bench, view: ViewController, label: str, dragged: object, turned: object
+) -> None:
+    show_view(bench, view)
+    bench.page.keyboard.down("Shift")
+    bench.drag((0, 0), (0, 20), button="right")
+    rests_at(bench, label, dragged)
+    bench.page.mouse.wheel(0, 120)
+    rests_at(bench, label, turned)
+    bench.page.keyboard.up("Shift")
+
+
+@pytest.mark.slow
+def test_zero_button_restores_the_default_camera(bench: Bench) -> None:
+    show_view(bench, Orbit(distance=3.0, focal_point=(1.0, 2.0, 3.0)))
+    bench.press("Views panel")
+    bench.press("Jump to 0,0,0 with the current view controller (Z)")
+    view = bench.viewer.view
+    assert (view["Distance"], view["Focal Point"]) == (10.0, (0.0, 0.0, 0.0))

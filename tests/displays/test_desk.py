@@ -333,7 +333,8 @@ def test_page_receives_the_mouse_settings_of_each_view(page: Page, viewer: Viewe
     viewer.view = XYOrbit()
     page.ask(act="LookAgain")
     assert page.told["drag"] == {
-        "inPlace": False, "aligned": False, "locked": False, "lift": 0.2, "ground": 0.0
+        "inPlace": False, "aligned": False, "locked": False, "lift": 0.2, "ground": 0.0,
+        "focalSize": 0.05, "focalFixed": True,
     }  # fmt: skip
     viewer.view = FrameAligned(lock_camera=True)
     page.ask(act="LookAgain")

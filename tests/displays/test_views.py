@@ -155,6 +155,42 @@ def test_xy_orbit_without_visible_ground_is_reset() -> None:
     assert [view[label] for label in ("Distance", "Focal Point")] == [10.0, (0.0, 0.0, 0.0)]
 
 
+def test_orbit_after_a_view_without_focal_point_turns_about_a_point_as_far_as_its_frame() -> None:
+    view, former = Orbit(), FPS(position=(3.0, 4.0, 0.0), yaw=pi / 2, pitch=0.0)
+    view.mimic(former, Frames("map"))
+    assert view["Distance"] == pytest.approx(5.0)
+    assert view["Focal Point"] == pytest.approx((3.0, 9.0, 0.0))
+
+
+@pytest.mark.parametrize("kind", [Orbit, XYOrbit])
+def test_orbit_after_a_view_from_above_keeps_the_point_below_and_the_upward_direction(
+    kind: type[ViewController],
+) -> None:
+    view, former = kind(), TopDownOrtho(x=2.0, y=3.0)
+    view.mimic(former, Frames("map"))
+    assert (view["Distance"], view["Focal Point"]) == (100.0, (2.0, 3.0, 0.0))
+    up = view.camera(Frames("map")).view_matrix()[1, :3]
+    np.testing.assert_allclose(up, [0, 1, 0], atol=0.002)
+
+
+def test_view_from_above_shows_the_focal_point_and_copies_another_one() -> None:
+    view, copy = TopDownOrtho(), TopDownOrtho()
+    view.mimic(Orbit(focal_point=(1.0, 2.0, 3.0), yaw=1.0), Frames("map"))
+    assert [view[label] for label in ("X", "Y", "Scale", "Angle")] == [1.0, 2.0, 10.0, 0.0]
+    view["Scale"], view["Angle"] = 50.0, 0.5
+    copy.mimic(view, Frames("map"))
+    assert [copy[label] for label in ("X", "Y", "Scale", "Angle")] == [1.0, 2.0, 50.0, 0.5]
+    view.mimic(FPS(position=(7.0, 8.0, 9.0)), Frames("map"))
+    assert (view["X"], view["Y"]) == (7.0, 8.0)
+
+
+def test_fps_view_after_a_view_from_above_keeps_the_upward_direction() -> None:
+    view, former = FPS(), TopDownOrtho(angle=0.5)
+    view.mimic(former, Frames("map"))
+    up = view.camera(Frames("map")).view_matrix()[1, :3]
+    np.testing.assert_allclose(up[:2], [-sin(0.5), cos(0.5)], atol=0.002)
+
+
 AXES = {"+x axis": (0, 1, 0), "-y axis": (1, 0, 0), "-z axis": (0, 0, -1)}  # of base in turned_frames
 
 

@@ -1,7 +1,9 @@
 /* global THREE */
 
 const LIMIT = Math.PI / 2 - 0.001; // [rad] RViz's limit of the pitch
-const FAR = 1000; // [m]
+const FAR = 100_000; // [m] as in RViz
+const DEPTH = 1000; // [m] before and behind a camera without perspective
+const FARTHEST_FOCUS = 50_000; // [m] of the focal point
 // A view beside the notebook is narrow and tall. It shows at least as much from left to right as a picture of this aspect
 // ratio in a cell, or, without perspective, as one of this width.
 const ASPECT = 1.2;
@@ -22,6 +24,8 @@ export class Orbit {
     this.locked = false; // cannot be turned by hand
     this.lift = 0; // upward shift of RViz's XYOrbit view in the image, as a fraction of the distance
     this.ground = 0; // [m] height of the plane that XYOrbit moves on
+    this.focalSize = 0; // [m] diameter of a disc at the focal point, or 0; see Python's DragRules
+    this.focalFixed = true;
     this.shift = [0, 0]; // see Python's Camera
     this.far = FAR; // [m]
     this.isTall = false; // opens wider where it is narrow, see ASPECT
@@ -65,7 +69,7 @@ export class Orbit {
     const { slope, scale } = this.lens(width, height);
     if (scale) {
       const [x, y] = [width / scale / 2, height / scale / 2];
-      camera = new THREE.OrthographicCamera(-x, x, y, -y, -FAR, FAR);
+      camera = new THREE.OrthographicCamera(-x, x, y, -y, -DEPTH, DEPTH);
     } else camera = new THREE.PerspectiveCamera((Math.atan(slope) * 360) / Math.PI, width / height, this.near, this.far);
     const [right, down] = this.shift.map((part) => -part * height);
     if (right || down) camera.setViewOffset(width, height, right, down, width, height);
@@ -106,6 +110,18 @@ export class Orbit {
     const away = this.eye.clone().sub(this.target);
     const step = this.up.clone().projectOnPlane(away.clone().normalize());
     this.shiftBy(step.setLength(sign * this.lift * away.length()));
+  }
+
+  /** @returns {boolean} whether Shift and the right button move ahead; in RViz's other views they zoom */
+  get hasDolly() {
+    return !this.scale && !this.inPlace && !this.lift;
+  }
+
+  /** @returns {{point: any, distance: number}} the focal point and its distance, [m] */
+  focalPoint() {
+    const lowered = Object.assign(new Orbit(), this, { eye: this.eye.clone(), target: this.target.clone() });
+    lowered.raise(-1);
+    return { point: lowered.target, distance: lowered.eye.distanceTo(lowered.target) };
   }
 
   /** @param {any} step [m] for eye and target */
@@ -162,7 +178,7 @@ export class Orbit {
     else if (this.inPlace) this.dolly(10 * (factor - 1)); // [m]: the target is 1 m ahead
     else {
       this.raise(-1);
-      this.eye.sub(this.target).multiplyScalar(factor).clampLength(0.02, FAR / 2).add(this.target);
+      this.eye.sub(this.target).multiplyScalar(factor).clampLength(0.02, FARTHEST_FOCUS).add(this.target);
       this.raise(1);
     }
   }

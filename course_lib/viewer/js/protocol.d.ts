@@ -18,6 +18,8 @@ export interface DragRules {
   locked: boolean;
   lift: number;
   ground: number;
+  focalSize: number;
+  focalFixed: boolean;
 }
 
 /** An entry of a context menu. An entry with a submenu cannot be chosen. */

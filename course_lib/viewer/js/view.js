@@ -10,6 +10,7 @@ import { draw, finish, metresPerPixel, views } from "./renderer.js";
 
 const CLICK = 4; // [px] maximum motion of the pointer during a click
 const TURN = 0.005; // [rad] per pixel, as in RViz
+const NOTCH = 12; // [px] motion with the right button that zooms like one notch of the wheel, as in RViz
 const TURN_PAUSE = 500; // [ms] after the last turn of a view by hand
 const MESSAGE_TIME = 10_000; // [ms]
 const REST_AFTER = 700; // [ms] without a change, after which a picture is drawn with the highest quality
@@ -44,6 +45,8 @@ export class View {
     /** @type {((event: Event) => boolean) | null} handles an event if the selected tool uses it */
     this.handleByTool = null;
     this.onTurn = () => {};
+    /** @type {any} */
+    this.focus = null; // the disc at the focal point
     /** @type {HTMLCanvasElement} */
     this.canvas = createElement("canvas", { tabIndex: 0, role: "img", ariaLabel: options.label });
     this.canvas.style.cssText = "display:block;width:100%;height:100%;touch-action:none;outline-offset:-2px";
@@ -166,6 +169,7 @@ export class View {
     let press = null;
     on("pointerdown", (event) => {
       press = { x: event.clientX, y: event.clientY, distance: 0, button: buttonOf(event) };
+      this.showFocus(true);
       this.canvas.setPointerCapture(event.pointerId);
       this.canvas.focus({ preventScroll: true });
       event.preventDefault();
@@ -180,18 +184,22 @@ export class View {
     on("pointerup", (event) => {
       if (press && press.distance < CLICK) this.options.onClick?.(this.pick(event));
       press = null;
+      this.showFocus(false);
     });
-    on("pointercancel", () => (press = null));
+    on("pointercancel", () => {
+      press = null;
+      this.showFocus(false);
+    });
     on("contextmenu", (event) => event.preventDefault());
     on("wheel", (event) => {
       if (!this.options.alone && !event.ctrlKey && document.activeElement !== this.canvas) return;
-      this.drag(event.shiftKey ? 3 : 2, 0, 10 * Math.sign(event.deltaY || event.deltaX));
+      this.drag(event.shiftKey ? 3 : 2, 0, NOTCH * notchesOf(event));
       consume(event);
     });
     on("keydown", (event) => {
       const [dx, dy] = ARROWS[event.key] ?? [0, 0];
       if (dx || dy) this.drag(event.shiftKey ? 1 : 0, dx, dy);
-      else if (event.key === "+" || event.key === "-") this.drag(2, 0, event.key === "-" ? 10 : -10);
+      else if (event.key === "+" || event.key === "-") this.drag(2, 0, event.key === "-" ? NOTCH : -NOTCH);
       else if (event.key === "f" && !event.ctrlKey && !event.metaKey) this.toggleFull();
       else return;
       consume(event);
@@ -206,9 +214,30 @@ export class View {
     if (this.orbit.locked) return this.showMessage("Unlock camera in settings to enable mouse interaction.");
     if (button === 0) this.orbit.rotate(dx * TURN, dy * TURN);
     else if (button === 1) this.orbit.pan(dx, dy, this.canvas, at);
-    else if (button === 3 && !this.orbit.lift) this.orbit.dolly(dy * 0.01);
+    else if (button === 3 && this.orbit.hasDolly) this.orbit.dolly(dy * 0.01);
     else this.orbit.zoom(Math.exp(dy * 0.01));
     this.onTurned();
+  }
+
+  /** @param {boolean} isShown whether a disc marks the focal point, as in RViz while a button is pressed */
+  showFocus(isShown) {
+    if (this.focus) this.mirror.dispose(this.focus);
+    this.focus = isShown && this.orbit.focalSize ? new THREE.Mesh(new THREE.SphereGeometry(0.5, 24, 12)) : null;
+    if (!this.focus) return this.invalidate();
+    const color = this.orbit.lift ? 0x00ffff : 0xffff00;
+    this.focus.material = new THREE.MeshBasicMaterial({ color, opacity: 0.5, transparent: true, depthWrite: false });
+    this.focus.raycast = () => {};
+    this.mirror.scene.add(this.focus);
+    this.placeFocus();
+    this.invalidate();
+  }
+
+  placeFocus() {
+    if (!this.focus) return;
+    const { point, distance } = this.orbit.focalPoint();
+    const size = this.orbit.focalSize * (this.orbit.focalFixed ? 1 : distance);
+    this.focus.position.copy(point);
+    this.focus.scale.set(size, size, size / 5);
   }
 
   /** @param {number[]} point the new focal point [m], as set by RViz's Focus Camera */
@@ -218,6 +247,7 @@ export class View {
   }
 
   onTurned() {
+    this.placeFocus();
     this.turnedAt = performance.now();
     this.onTurn();
     this.invalidate();
@@ -242,6 +272,15 @@ export class View {
     const index = hit.instanceId ?? hit.index ?? hit.faceIndex ?? null;
     return { ...click, path: pathOf(hit.object), point: hit.point.toArray(), normal, index };
   }
+}
+
+/**
+ * @param {WheelEvent} event
+ * @returns {number} the notches by which the wheel was turned, at most one; a touchpad sends small parts of one
+ */
+function notchesOf({ deltaX, deltaY, deltaMode, ctrlKey }) {
+  const unit = deltaMode === 1 ? 33 : deltaMode === 2 ? 100 : ctrlKey ? 10 : 1; // lines, pages, a pinch, pixels
+  return Math.max(-1, Math.min(1, (unit * (deltaY || deltaX)) / 100));
 }
 
 /** @param {PointerEvent} event @returns {number} the button; with Shift, left pans and right moves ahead (3) */

@@ -207,6 +207,7 @@ export class Panels {
       "div",
       {},
       createElement("div", { role: "toolbar", ariaLabel: "Views" }, this.types,
+        button("Zero", "Jump to 0,0,0 with the current view controller (Z)", () => this.returnHome()),
         button("Save", "Save the current view", () =>
           askName("Save view", (text) => act({ act: "SaveView", name: text }))),
         button("Use", "Use the chosen saved view", use),
