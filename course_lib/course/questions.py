@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from course_lib.course.state import exercises_dir, student_state
 from course_lib.errors import CourseError, did_you_mean, location_of
@@ -302,8 +302,8 @@ def _prediction_form(key: str, question: Question, saved_answer: str | None) -> 
                 reveal()
 
     def saved() -> tuple[str, str]:
-        chosen_answer = question.answer(choice.value)
-        return _saved([(f"Predict: {question.text}", question, chosen_answer, "")])
+        chosen = question.answer(choice.value)
+        return _saved([AnsweredQuestion(f"Predict: {question.text}", question, chosen)])
 
     choice.observe(keep, names="value")
     title = widgets.HTML(_CHOICE_STYLE + _paragraph(f"<b>Predict:</b> {question.text}"))
@@ -342,22 +342,28 @@ def quiz(week: str) -> None:
 def as_text(questions: tuple[Question, ...]) -> str:
     """Return the questions as text for pages without widgets."""
     return _as_text(
-        [(f"{n}. {question.text}", question, None, "") for n, question in enumerate(questions, 1)]
+        [AnsweredQuestion(f"{n}. {question.text}", question) for n, question in enumerate(questions, 1)]
     )
 
 
-# A title, the question, the chosen answer, and the text below it.
-Shown = tuple[str, Question, Answer | None, str]
+class AnsweredQuestion(NamedTuple):
+    """A question as a page without a kernel displays it."""
+
+    title: str
+    question: Question
+    chosen: Answer | None = None
+    # The verdict on the chosen answer.
+    below: str = ""
 
 
-def _saved(rows: Sequence[Shown]) -> tuple[str, str]:
+def _saved(rows: Sequence[AnsweredQuestion]) -> tuple[str, str]:
     """Return questions as HTML and as text for pages without a kernel."""
-    if all(chosen for _, _, chosen, _ in rows):
+    if all(row.chosen for row in rows):
         return _as_html(rows), _as_text(rows)
     return f"{_as_html(rows)}\n<p>{HOW_TO_ANSWER}</p>", f"{_as_text(rows)}\n{HOW_TO_ANSWER}"
 
 
-def _as_text(rows: Iterable[Shown]) -> str:
+def _as_text(rows: Iterable[AnsweredQuestion]) -> str:
     lines = []
     for title, question, chosen, below in rows:
         lines.append(title)
@@ -366,7 +372,7 @@ def _as_text(rows: Iterable[Shown]) -> str:
     return "\n".join(lines)
 
 
-def _as_html(rows: Iterable[Shown]) -> str:
+def _as_html(rows: Iterable[AnsweredQuestion]) -> str:
     """Return the questions as HTML without styles and scripts.
 
     Jupyter removes these from a notebook that is not trusted.
@@ -395,10 +401,11 @@ def _quiz_form(week: str, questions: tuple[Question, ...]) -> Form:
         choices.append(choice)
 
     def saved() -> tuple[str, str]:
-        rows: list[Shown] = []
+        rows: list[AnsweredQuestion] = []
         for number, (question, choice) in enumerate(zip(questions, choices, strict=True), 1):
             chosen = None if choice.index is None else question.answers[choice.index]
-            rows.append((f"{number}. {question.text}", question, chosen, verdict(chosen) if chosen else ""))
+            below = verdict(chosen) if chosen else ""
+            rows.append(AnsweredQuestion(f"{number}. {question.text}", question, chosen, below))
         return _saved(rows)
 
     return Form(widgets.VBox(boxes), saved, on_answer)

@@ -383,9 +383,9 @@ def is_deliverable(sample: Sample, subscription: Subscription, match_qos: bool) 
     return problem is None
 
 
-def topic_properties(default: str = "", label: str = "Topic") -> tuple[Property, ...]:
+def topic_properties(default: str = "") -> tuple[Property, ...]:
     """Return the properties of a display that subscribes to one topic without a message filter."""
-    return (*Display.properties, *qos_properties(default, label))
+    return (*Display.properties, *qos_properties(default))
 
 
 def qos_properties(default: str = "", label: str = "Topic") -> tuple[Property, ...]:

@@ -91,7 +91,13 @@ class ViewerCell:
         from course_lib.displays.panel.resting_view import RestingView
 
         view = RestingView(self._session, recording, seconds, plays=plays)
-        view.on_views = lambda count: None if count else _end(view)
+
+        def on_views(count: int) -> None:
+            if not count:
+                _remove_from_history(view)
+                view.close()
+
+        view.on_views = on_views
         return view
 
     def close(self) -> None:
@@ -179,11 +185,6 @@ class ViewerCell:
     def _is_displayed(self) -> bool:
         """Return whether a page shows the scene."""
         return self._view is not None and self._view.link.is_ready
-
-
-def _end(view: "RestingView") -> None:
-    _remove_from_history(view)
-    view.close()
 
 
 def _remove_from_history(result: object) -> None:

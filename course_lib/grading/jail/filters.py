@@ -173,7 +173,7 @@ class _PathBeneath(ctypes.Structure):
     _fields_ = (("allowed", ctypes.c_uint64), ("parent", ctypes.c_int32))
 
 
-def restrict_files(read: Sequence[str], write: Sequence[str], listed: Sequence[str] = ()) -> None:
+def restrict_files(read: Sequence[str], write: Sequence[str], listed: Sequence[str]) -> None:
     """Irrevocably restrict this process and its children to these files; missing paths are skipped.
 
     Args:

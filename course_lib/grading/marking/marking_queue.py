@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from course_lib.errors import CourseError
 from course_lib.grading import store
@@ -28,6 +28,15 @@ PRESENT = 10.0  # [s] time without requests after which a page is considered clo
 MOST_COMMENTS = 30  # comments offered for reuse
 State = Literal["waiting", "marked", "checks"]
 Stamp = tuple[int, ...] | None
+
+
+class OpenItem(NamedTuple):
+    """The item that a page shows."""
+
+    key: str
+    grader: str
+    # Of the page's last request, by the monotonic clock [s].
+    requested_at: float
 
 
 @dataclass(frozen=True)
@@ -80,8 +89,7 @@ class MarkingQueue:
         self._items: dict[str, tuple[int, QueueItem]] = {}  # (number of the last change, item) by key
         self._comments: dict[Path, list[HandMark]] = {}
         self._problems: dict[Path, str] = {}
-        # item, grader and time of the last request, by page
-        self._pages: dict[str, tuple[str, str, float]] = {}
+        self._open_items: dict[str, OpenItem] = {}  # by page
         self._number = 0
 
     def changes_since(self, number: int) -> dict[str, Any]:
@@ -101,10 +109,12 @@ class MarkingQueue:
         """
         with self._lock:
             now = time.monotonic()
-            key = self._pages[page][0] if key is None and page in self._pages else key or ""
-            self._pages[page] = (key, person, now)
-            self._pages = {other: at for other, at in self._pages.items() if now - at[2] < PRESENT}
-            return {at[0]: at[1] for other, at in self._pages.items() if other != page and at[0]}
+            if key is None:
+                key = self._open_items[page].key if page in self._open_items else ""
+            items = self._open_items | {page: OpenItem(key, person, now)}
+            self._open_items = {p: item for p, item in items.items() if now - item.requested_at < PRESENT}
+            others = (item for p, item in self._open_items.items() if p != page and item.key)
+            return {item.key: item.grader for item in others}
 
     def item(self, key: str) -> QueueItem:
         """Return an item in its current state on the disk.

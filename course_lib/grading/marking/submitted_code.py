@@ -1,7 +1,7 @@
 """The code of a submission, with syntax highlighting, for the page on which graders mark."""
 
 import re
-from collections.abc import Iterator
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +57,7 @@ def submitted_code(submission: Submission, out: Path, task: Task | None) -> dict
         {
             "title": f"Cell {number}",
             "own": bool(own_pattern and own_pattern.search(code)),
-            "pieces": _pieces(code),
+            "pieces": _highlight(code) if len(code) <= MAX_COLOURED else _plain(code),
         }
         for number, code in enumerate(notebook.cells[:MAX_CELLS], 1)
     ]
@@ -81,24 +81,20 @@ def _own_line_pattern(task: Task) -> re.Pattern[str]:
     return re.compile(rf"{binds}|[\"']{re.escape(task.id)}[\"']", re.MULTILINE)
 
 
-def _pieces(code: str) -> Pieces:
-    """Split a cell into pieces with one highlighting class each."""
-    return list(_highlight(strip_control_characters(code))) if len(code) <= MAX_COLOURED else _plain(code)
-
-
 def _plain(text: str) -> Pieces:
     hidden_length = len(text) - MAX_SHOWN
     note = [("remark", f"\n… {hidden_length} more characters")] if hidden_length > 0 else []
     return [("", strip_control_characters(text[:MAX_SHOWN])), *note]
 
 
-def _highlight(code: str) -> Iterator[tuple[str, str]]:
-    last, text = "", ""
-    for token, piece in PythonLexer(ensurenl=False, stripnl=False).get_tokens(code):
-        kind = next((kind for token_group, kind in KINDS if token in token_group), "")
-        if kind != last and text:
-            yield last, text
-            text = ""
-        last, text = kind, text + piece
-    if text:
-        yield last, text
+def _highlight(code: str) -> Pieces:
+    """Split a cell into pieces with one highlighting class each."""
+    tokens = PythonLexer(ensurenl=False, stripnl=False).get_tokens(strip_control_characters(code))
+    kinds = (
+        (next((kind for token_group, kind in KINDS if token in token_group), ""), text)
+        for token, text in tokens
+        if text
+    )
+    return [
+        (kind, "".join(text for _, text in group)) for kind, group in groupby(kinds, key=lambda pair: pair[0])
+    ]

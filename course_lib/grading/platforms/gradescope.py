@@ -27,7 +27,7 @@ from course_lib.grading.grade import grade
 from course_lib.grading.jail.filters import Need
 from course_lib.grading.judge import HIDDEN_ERROR
 from course_lib.grading.marks import MarkedResult, stored_result
-from course_lib.grading.records import CheckResult, TaskResult
+from course_lib.grading.records import TaskResult
 from course_lib.grading.reports.rendering import printable, rows, say
 from course_lib.grading.store import Course, catalog_of, this_course
 from course_lib.grading.submissions.choice import ANY
@@ -357,19 +357,16 @@ def _tests(task: TaskResult, hidden: str) -> Iterator[dict[str, Any]]:
             most_left if is_last else round(task.points * sum(c.weight for c in checks) / total_weight, 2)
         )
         remaining_score, most_left = round(remaining_score - score, 2), round(most_left - max_score, 2)
+        lines = [f"{row.icon} {row.title}{row.reason and f': {row.reason}'}" for row in rows(checks)]
         yield {
             "name": f"{task.title}{suffix}{bonus}",
             "score": max(score, 0.0),
             "max_score": max_score,
             "status": "passed" if all(check.passed for check in checks) else "failed",
-            "output": _text([*errors[checks is not public], *_lines(checks)]),
+            "output": _text([*errors[checks is not public], *lines]),
             "output_format": "text",
             "visibility": visibility,
         }
-
-
-def _lines(checks: Sequence[CheckResult]) -> list[str]:
-    return [": ".join(filter(None, (f"{icon} {title}", why))) for icon, _, title, why in rows(checks)]
 
 
 def _text(lines: Sequence[str]) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from course_lib.grading.records import CheckResult, TaskResult
 
@@ -38,7 +38,7 @@ class Table:
     next_step: str = ""
 
     def __str__(self) -> str:
-        lines = [f"{icon} {word:6}  {title}: {why}" for icon, word, title, why in rows(self.result.checks)]
+        lines = [f"{r.icon} {r.state:6}  {r.title}: {r.reason}" for r in rows(self.result.checks)]
         above = "\n  ".join([self._headline(), *self.result.errors, *lines])
         below = ["It printed:", *(f"  | {line}" for line in self.printed)] if self.printed else []
         return "\n".join([above, *below, *self.notes, *self._success()])
@@ -74,10 +74,17 @@ class Table:
         return [verdict, *([" ".join([*points, self.next_step])] if self.next_step else [])]
 
 
-Row = tuple[str, str, str, str]  # icon, word, title, reason
+class CheckRow(NamedTuple):
+    """A row of the table: a check, or several that fail for the same reason."""
+
+    icon: str
+    # "passed", "failed" or the score.
+    state: str
+    title: str
+    reason: str
 
 
-def rows(checks: Iterable[CheckResult]) -> list[Row]:
+def rows(checks: Iterable[CheckResult]) -> list[CheckRow]:
     """Return the icon, state, title and reason of each check.
 
     A hidden check has only a number and its mistake.
@@ -91,9 +98,9 @@ def scored_rows(
     checks: Iterable[CheckResult],
     *,
     show_hidden: bool = False,
-) -> list[tuple[float, Row]]:
+) -> list[tuple[float, CheckRow]]:
     """Return the rows with the scores of their checks; `show_hidden` reveals hidden checks."""
-    rows_by_key: dict[tuple[str, ...], tuple[float, Row]] = {}
+    rows_by_key: dict[tuple[str, ...], tuple[float, CheckRow]] = {}
     hidden_count = 0
     for check in checks:
         icon, word = ("✓", "passed") if check.passed else ("✗", "failed")
@@ -106,8 +113,8 @@ def scored_rows(
         title = f"{title} (hidden)" if check.hidden and show_hidden else title
         shares = not check.passed and not check.hidden and why
         key = (word, why) if shares else (title, str(len(rows_by_key)))
-        title = f"{rows_by_key[key][1][2]}; {title}" if key in rows_by_key else title
-        rows_by_key[key] = (check.score, (icon, word, title, why))
+        title = f"{rows_by_key[key][1].title}; {title}" if key in rows_by_key else title
+        rows_by_key[key] = (check.score, CheckRow(icon, word, title, why))
     return list(rows_by_key.values())
 
 

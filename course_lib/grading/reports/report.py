@@ -15,7 +15,7 @@ from course_lib.files import write_atomically
 from course_lib.grading import store
 from course_lib.grading.marks import MarkedResult, read_marks, require_results, results_in, task_mark
 from course_lib.grading.records import HandMark, Result, Run, TaskResult
-from course_lib.grading.reports.rendering import Row, fill, join_few, printable, say, scored_rows
+from course_lib.grading.reports.rendering import CheckRow, fill, join_few, printable, say, scored_rows
 from course_lib.grading.reports.scenes import figures, shared_script
 from course_lib.grading.run.run import plan_scenarios, unpack
 from course_lib.grading.submissions.notebook import full_exercise_name
@@ -208,7 +208,7 @@ def _grader_texts(result: TaskResult, runs: Iterable[Run]) -> list[str]:
     return [*answers, *result.comments, *waits]
 
 
-def _sorted_rows(result: TaskResult, *, is_final: bool) -> list[Row]:
+def _sorted_rows(result: TaskResult, *, is_final: bool) -> list[CheckRow]:
     """Return the rows of a task's table, failed checks first; hidden checks keep their numbers."""
     ranked = sorted(scored_rows(result.checks, show_hidden=is_final), key=lambda pair: pair[0])
     return [row for _, row in ranked]

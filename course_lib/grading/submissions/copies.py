@@ -614,7 +614,8 @@ def compare_class(
     received_times: dict[tuple[str, str], str] = {}
     for file in submissions:
         if file.notebook is not None and not file.problem:
-            code[file.exercise, file.student] |= dict.fromkeys(_code(file.notebook.cells, file.files))
+            programs = [text for name, text in sorted(file.files.items()) if name.endswith(".py")]
+            code[file.exercise, file.student] |= dict.fromkeys([*file.notebook.cells, *programs])
             time = file.received.time
             received_times[file.exercise, file.student] = time.isoformat() if time else ""
     works = defaultdict[str, dict[str, Work]](dict)
@@ -647,11 +648,6 @@ def compare_class(
         }
         text = json.dumps(content, ensure_ascii=False, indent=1)
         write_atomically(path, text.encode("utf-8", "replace"))
-
-
-def _code(cells: Sequence[str], files: Mapping[str, str]) -> list[str]:
-    """Return the cells of one attempt and the programs submitted with it."""
-    return [*cells, *(text for name, text in sorted(files.items()) if name.endswith(".py"))]
 
 
 def read_similar(out: Path) -> dict[tuple[str, str], SimilarSubmission]:

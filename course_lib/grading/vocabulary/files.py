@@ -111,10 +111,6 @@ def _require_success(record: LaunchRecord) -> None:
         raise Problem(f"ros2 launch reports: {record.error}", "ros2 launch ends with an error")
 
 
-def _find(started: Sequence[StartedNode], package: str, executable: str) -> StartedNode | None:
-    return next((n for n in started if (n.package, n.executable) == (package, executable)), None)
-
-
 def _check_options(
     record: LaunchRecord,
     node: StartedNode,
@@ -146,8 +142,9 @@ def _is_forwarded(record: LaunchRecord, node: StartedNode, option: str, argument
         return False
     for other in record.others:
         if other.argument == argument:
-            same = _find(other.started, node.package, node.executable)
-            return same is not None and same.options.get(option) == other.value
+            same = {(n.package, n.executable): n for n in reversed(other.started)}
+            other_node = same.get((node.package, node.executable))
+            return other_node is not None and other_node.options.get(option) == other.value
     return False
 
 

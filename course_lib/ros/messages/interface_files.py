@@ -101,7 +101,7 @@ _ACTION_TRANSPORT: Mapping[str, str] = {
 }
 
 
-def read_interface(path: Path, package: str = "") -> dict[str, Any]:
+def read_interface(path: Path, package: str) -> dict[str, Any]:
     """Read an interface file's messages by type name.
 
     The package defaults to the name of the folder.
@@ -109,7 +109,7 @@ def read_interface(path: Path, package: str = "") -> dict[str, Any]:
     return parse_interface(read_text(path), file_name(path, package), path)
 
 
-def read_defaults(path: Path, package: str = "") -> dict[tuple[str, str], Any]:
+def read_defaults(path: Path, package: str) -> dict[tuple[str, str], Any]:
     """Read the default values of an interface file by type name and field. See `read_interface`."""
     return parse_defaults(read_text(path), file_name(path, package))
 

@@ -166,7 +166,9 @@ def _idle_hint(tree: ast.Module) -> str:
                 guards.append((statement.lineno, name))
             case ast.FunctionDef() | ast.Import() | ast.ImportFrom() | ast.Try():
                 pass
-            case ast.Assign() | ast.AnnAssign() | ast.Expr() if not _has_call(statement):
+            case ast.Assign() | ast.AnnAssign() | ast.Expr() if not any(
+                isinstance(node, ast.Call) for node in ast.walk(statement)
+            ):
                 pass
             case _:
                 return ""
@@ -179,10 +181,6 @@ def _idle_hint(tree: ast.Module) -> str:
     if not nodes or _only_defines_main(tree):
         return ""
     return f"it only defines {nodes[-1]}. Write at its end: rclpy.init(), then rclpy.spin({nodes[-1]}())."
-
-
-def _has_call(statement: ast.stmt) -> bool:
-    return any(isinstance(node, ast.Call) for node in ast.walk(statement))
 
 
 class NotebookProgram(Process):

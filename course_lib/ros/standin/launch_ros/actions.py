@@ -337,7 +337,9 @@ class LifecycleEventManager:
             runner.emit(StateTransition(action=node, msg=message))
 
         def is_own_exit(event: Any) -> bool:
-            return isinstance(event, ProcessExited) and event.action in (node, self._process_action())
+            # A component's process was started by the action that has loaded it.
+            starters = (node, getattr(node, "loading_action", None))
+            return isinstance(event, ProcessExited) and event.action in starters
 
         def on_exit(event: Any, context: LaunchContext) -> None:
             self._is_running = False
@@ -353,10 +355,6 @@ class LifecycleEventManager:
             BaseEventHandler(matcher=is_own_exit, entities=on_exit),
             BaseEventHandler(matcher=is_addressed, entities=on_request),
         ]
-
-    def _process_action(self) -> Action | None:
-        """Return the action that has started the node's process, if it is not the node itself."""
-        return getattr(self._lifecycle_node, "loading_action", None)
 
     def _request(self, context: LaunchContext, link: _LifecycleLink, transition: int) -> None:
         """Request a transition. If the node is not available yet, try again later."""
