@@ -566,19 +566,17 @@ def _match_lines(
 
 
 def _blocks(work: Work, like: Mapping[int, int], released: ReleasedCode) -> list[Block]:
-    lines = _lines([line for cell in work.cells for line in numbered_lines(cell)], like, released)
-    return [Block(kind, tuple(group)) for kind, group in groupby(lines, lambda line: line.kind)]
-
-
-def _lines(texts: Sequence[str], like: Mapping[int, int], released: ReleasedCode) -> Iterator[Line]:
+    """Group the lines of a submission: released, as in the other submission, or its own."""
     kind: Kind = "given"
-    for number, text in enumerate(texts):
+    lines: list[Line] = []
+    for number, text in enumerate(line for cell in work.cells for line in numbered_lines(cell)):
         # An empty line has the kind of the line above it.
         if text.strip():
             is_given = text.strip() in released.lines
             kind = "given" if is_given else "same" if number in like else "own"
         is_same = kind == "same" and number in like
-        yield Line(number + 1, text, kind, like[number] + 1 if is_same else 0)
+        lines.append(Line(number + 1, text, kind, like[number] + 1 if is_same else 0))
+    return [Block(kind, tuple(group)) for kind, group in groupby(lines, lambda line: line.kind)]
 
 
 @dataclass(frozen=True)
