@@ -22,6 +22,7 @@ from course_lib.course.exercise import source as text_of
 from course_lib.course.state import exercises_dir, first_lesson
 from course_lib.errors import CourseError, format_count
 from course_lib.export.module import without_magics
+from course_lib.grading.caught_errors import CaughtErrors
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER
 from course_lib.grading.kept_state import find_growing_list
@@ -102,6 +103,7 @@ class Advice:
         evidence: Sequence[Evidence],
         student: str | None,
         source: str,
+        caught: CaughtErrors | None = None,
     ) -> list[str]:
         """Return the lines below a task's result: help after a failure, then remarks.
 
@@ -111,14 +113,16 @@ class Advice:
             evidence: The evidence of the public scenarios.
             student: The student's ID, if it is known.
             source: The student's code.
+            caught: The errors that the student's code caught.
         """
         lines: list[str] = []
         if result.is_untouched:
             lines = [FILL_IN]
         elif task.scenarios and not result.passed:
-            hints = self.hint(task, result, source)
+            hints = self.hint(task, result, source, caught)
             causes = (
-                parameter_order_hint(task, source)
+                caught_mistake_hint(caught, result)
+                or parameter_order_hint(task, source)
                 or missing_return_hint(task, evidence, source)
                 or wrong_type_hint(evidence)
                 or incompatible_policy_hint(evidence)
@@ -130,7 +134,13 @@ class Advice:
             lines = [*lines, NO_ID.format(first_lesson())]
         return [*lines, *large_message_hint(evidence), *best_effort_hint(evidence)]
 
-    def hint(self, task: Task, result: TaskResult, source: str = "") -> list[str]:
+    def hint(
+        self,
+        task: Task,
+        result: TaskResult,
+        source: str = "",
+        caught: CaughtErrors | None = None,
+    ) -> list[str]:
         """Return the lines of help for a failed result.
 
         Args:
@@ -138,6 +148,7 @@ class Advice:
             result: The result of this check.
             source: The student's code. Hints that only suggest code that it already contains are
                 skipped.
+            caught: The errors that the student's code caught.
         """
         causes = _first_cause(result)
         if result.errors:
@@ -155,8 +166,9 @@ class Advice:
         elif result.errors:
             texts = [AFTER_AN_ERROR]
         elif causes[:1] == [SILENT]:
-            own = _missing_call(code, result) or find_hidden_error(source) or task.mistakes.get(SILENT)
-            texts = [own or _silence_hint(code), *texts]
+            hidden = caught.other if caught is not None else ""
+            own = hidden or _missing_call(code, result) or find_hidden_error(source)
+            texts = [own or task.mistakes.get(SILENT) or _silence_hint(code), *texts]
         slip = find_slip(source) if too_much or not result.errors else ""
         if not slip and not result.errors:
             slip = _missing_subscription_hint(task, code) or _late_timer_hint(task, source)
@@ -445,6 +457,12 @@ def missing_return_hint(task: Task, evidence: Iterable[Evidence], source: str = 
             return [f"{task.name} returned None: does each path through it end with a return and a value?"]
         return [f"{task.name} returned None: is there a return?"]
     return []
+
+
+def caught_mistake_hint(caught: CaughtErrors | None, result: TaskResult) -> list[str]:
+    """Return a hint about a mistake in the code that a handler of the student hides, or []."""
+    has_mistake = caught is not None and caught.mistake and not result.errors
+    return [f"Hint: {caught.mistake}"] if caught is not None and has_mistake else []
 
 
 def parameter_order_hint(task: Task, source: str) -> list[str]:

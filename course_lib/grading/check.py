@@ -1,6 +1,5 @@
 """`check(task, obj)` in a notebook: runs the student's object, judges it, shows why."""
 
-import inspect
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -13,9 +12,11 @@ from course_lib.course.questions import show
 from course_lib.course.state import save_check, student_state
 from course_lib.errors import CourseError
 from course_lib.grading.advice import Advice
+from course_lib.grading.caught_errors import CaughtErrors
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import personal_values
 from course_lib.grading.judge import judge_task
+from course_lib.grading.own_source import source_of
 from course_lib.grading.records import Run, TaskResult
 from course_lib.grading.reports.rendering import Table
 from course_lib.grading.run.outcome import printed_lines
@@ -62,9 +63,12 @@ def check(task_id: str, subject: Any = MISSING) -> None:
         raise CourseError(f"check needs your object as its second argument. Write: {_call_text(task)}")
     personal = personal_values(task, student)
     strict = os.environ.get(STRICT) == "1"
-    runs = [
-        Run(scenario, run_in_this_process(task, scenario, subject, personal)) for scenario in task.scenarios
-    ]
+    source = source_of(subject, task.week)
+    with CaughtErrors(source) as caught:
+        runs = [
+            Run(scenario, run_in_this_process(task, scenario, subject, personal))
+            for scenario in task.scenarios
+        ]
     result = judge_task(task, *catalog.points(task), runs)
     evidence = [run.evidence for run in runs]
     # Outside IPython there is no history of cells.
@@ -72,7 +76,7 @@ def check(task_id: str, subject: Any = MISSING) -> None:
     shell = ipython.get_ipython() if ipython is not None else None
     history = getattr(shell, "history_manager", None)
     save_progress(task, result, [] if history is None else list(history.input_hist_raw))
-    table = table_of(task, result, evidence, student, _ADVICE, source_of(subject))
+    table = table_of(task, result, evidence, student, _ADVICE, source, caught)
     own_files = map(NOT_SUBMITTED.format, _own_modules())
     table = replace(table, next_step=next_step(catalog, task), notes=(*table.notes, *own_files))
     show(lambda: table, str(table))
@@ -120,14 +124,6 @@ def _own_modules() -> list[str]:
     return sorted({Path(path).name for path in paths if path and Path(path).parent == here})
 
 
-def source_of(subject: Any) -> str:
-    """Return the source of a student's class or function, or "" if it has none."""
-    try:
-        return inspect.getsource(subject)
-    except (OSError, TypeError):
-        return ""
-
-
 def table_of(
     task: Task,
     result: TaskResult,
@@ -135,6 +131,7 @@ def table_of(
     student: str | None,
     advice: Advice,
     source: str = "",
+    caught: CaughtErrors | None = None,
 ) -> Table:
     """Return the result as a table, with hints if a check failed.
 
@@ -145,8 +142,9 @@ def table_of(
         student: The student's ID, if it is known.
         advice: The state of the hints shown so far.
         source: The student's code.
+        caught: The errors that the student's code caught.
     """
-    notes = advice.notes(task, result, evidence, student, source)
+    notes = advice.notes(task, result, evidence, student, source, caught)
     return Table(result, tuple(notes), printed_lines(record.output for record in evidence))
 
 

@@ -1,16 +1,15 @@
 """`course check FILE`: run the public checks of a whole notebook in a separate process, as in grading."""
 
-import ast
 import re
 from collections.abc import Sequence
 from pathlib import Path
 
 from course_lib.course.exercise import current_identity, find_notebook
 from course_lib.errors import CourseError, format_count
-from course_lib.export.module import without_magics
 from course_lib.grading.advice import Advice
 from course_lib.grading.check import save_progress, table_of
 from course_lib.grading.judge import judge
+from course_lib.grading.own_source import source_in_cells
 from course_lib.grading.records import TaskResult
 from course_lib.grading.run.outcome import NOT_DEFINED
 from course_lib.grading.run.run import Job, plan_scenarios, run_scenarios
@@ -69,11 +68,7 @@ def _source_of(task: Task, cells: Sequence[str]) -> str:
     parsed = [CodeCell(number, text, True) for number, text in enumerate(cells, 1)]
     arguments = [cell.checks[task.id] for cell in parsed if task.id in cell.checks]
     name = getattr(arguments[-1], "id", "") if arguments else task.name
-    for cell in reversed(parsed):
-        for node in reversed(cell.tree.body):
-            if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name:
-                return ast.get_source_segment(without_magics(cell.source), node) or ""
-    return ""
+    return source_in_cells(name, cells, task.week)
 
 
 _UNKNOWN_NAME = re.compile(r"NameError: name '(\w+)' is not defined")

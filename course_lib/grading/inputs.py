@@ -283,11 +283,19 @@ def images(
         yield Message(topic, "sensor_msgs/msg/Image", content, at=at, best_effort=best_effort)
 
 
-def set_parameters(node: str, at: float, **values: Any) -> Message:
-    """Return the service request of `ros2 param set` to a node, sent `at` [s] after the start."""
+def set_parameters(node: str, at: float, *, at_once: bool = False, **values: Any) -> Message:
+    """Return the service request of `ros2 param set` to a node, sent `at` [s] after the start.
+
+    With `at_once` all values belong together: the node's callback gets them in one list.
+    """
     parameters = [{"name": name, "value": _parameter(value)} for name, value in values.items()]
-    kind = "rcl_interfaces/srv/SetParameters"
-    return Message(f"{node}/set_parameters", kind, {"parameters": parameters}, at=at)
+    service, kind = ("_atomically", "Atomically") if at_once else ("", "")
+    return Message(
+        f"{node}/set_parameters{service}",
+        f"rcl_interfaces/srv/SetParameters{kind}",
+        {"parameters": parameters},
+        at=at,
+    )
 
 
 def _upright(place: Vector) -> Mapping[str, Any]:

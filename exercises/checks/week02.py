@@ -5,9 +5,12 @@ from functools import partial
 
 from course_lib.grading import (
     Call,
+    Check,
+    Evidence,
     Message,
     Scenario,
     Task,
+    Verdict,
     expect_frame,
     expect_joint_states,
     expect_joint_swing,
@@ -19,8 +22,10 @@ from course_lib.grading import (
     expect_throughout,
     expect_topic,
     expect_value,
+    failed,
     inputs,
     my,
+    passed,
     with_formal,
 )
 
@@ -46,6 +51,8 @@ NOTHING = (math.inf, 0.05, math.nan, 31.0, math.inf, 0.0, -math.inf)  # 31 is mo
 # One beam counts: the first one, or the last one.
 FIRST = (2.0, *NOTHING[1:])
 LAST = (*NOTHING[:-1], 2.0)
+# A distance equal to range_min, and one equal to range_max, also count.
+LIMITS = ((0.1, *NOTHING[1:]), (*NOTHING[:-1], 30.0))
 SCANS = (FIRST, EARLIER, NOTHING, EARLIER, NOTHING, EARLIER, LAST, RANGES)  # three times a second
 NEAREST = (1.5 * math.cos(0.5), 1.5 * math.sin(0.5), 0.0)  # [m]
 
@@ -198,6 +205,22 @@ SPHERE = (
     .requiring(AGAIN)
 )
 
+
+def counts_limits(evidence: Evidence) -> Verdict:
+    """Expect a sphere for each scan whose only distance equals range_min or range_max."""
+    distances = [
+        math.hypot(marker.pose.position.x, marker.pose.position.y)
+        for _, marker in evidence.messages("/nearest")
+    ]
+    if not distances:
+        return failed("nothing was published on /nearest", "nothing was published on an expected topic")
+    for name, limit in (("range_min", 0.1), ("range_max", 30.0)):
+        if not any(math.isclose(one, limit, rel_tol=1e-3) for one in distances):
+            text = f"no sphere was published for a scan whose only distance in range is {name}, {limit:g} m"
+            return failed(f"{text}: a distance equal to {name} counts", "a value is wrong: the limits")
+    return passed("as expected")
+
+
 NEAREST_OBSTACLE = Task(
     "week02.nearest",
     title="Stretch: find five faults: the nearest obstacle",
@@ -233,6 +256,17 @@ NEAREST_OBSTACLE = Task(
                     expect_frame("/nearest", "laser").titled("in the frame of the scan"),
                     expect_stamps("/nearest", delay=DELAY).titled("with the stamp of the scan"),
                 ),
+            ),
+        ),
+        Scenario(
+            "distances at the limits",
+            seconds=2.0,  # [s]
+            seed=2,
+            inputs=tuple(
+                _scan(ranges, at=0.3 + step / 3) for step, ranges in enumerate((RANGES, *LIMITS, RANGES))
+            ),
+            checks=(
+                Check("range_min and range_max themselves count", counts_limits).requiring(SPHERE).worth(0.5),
             ),
         ),
     ),

@@ -166,6 +166,16 @@ CAMERA = Task(
                 FRAME_AT_FIRST.worth(0.2).titled("the frame at first"),
             ),
         ),
+        Scenario(
+            "both are set in one call",
+            seconds=4.0,  # [s]
+            inputs=(inputs.set_parameters("/camera", 2.0, at_once=True, frame_id="front", frame_rate=5.0),),
+            checks=lightly(
+                expect_rate(IMAGES, 5.0, begin=2.1)
+                .requiring(PIXELS)
+                .titled("frame_id and frame_rate in one call: 5 Hz from 2 s on")
+            ),
+        ),
     ),
     personal={"frame_rate": (12.0, 15.0, 18.0, 20.0, 24.0, 28.0)},  # [Hz]
 )

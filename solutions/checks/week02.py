@@ -40,7 +40,7 @@ LAST = (-math.inf, 7.0, 0.0, math.nan, 6.5, 31.0, 2.25, 2.5, math.inf)  # [m]; t
 TOWARDS = -math.radians(120) + 6 * SCAN_STEP  # [rad]
 WRISTS = {f"wrist_{number}_joint": 0.0 for number in (1, 2, 3)}  # [rad]
 POSE = {"shoulder_lift": -90, "elbow": 60, "wrist_1": -45, "wrist_2": 90, "wrist_3": 0}  # [deg]
-MARKER, COUNTING = "visualization_msgs/msg/Marker", 33  # scans in which a beam counts
+MARKER, COUNTING = "visualization_msgs/msg/Marker", 35  # scans in which a beam counts
 AGAIN = expect_throughout("/nearest", hz=4.0)
 SPHERE = expect_marker(
     "/nearest", type="SPHERE", scale=(0.2, 0.2, 0.2), color=(1.0, 0.0, 0.0, 1.0)
@@ -138,6 +138,9 @@ HIDDEN = {
                 # One beam counts: the first one, then the last one.
                 rear_scan((4.0, *(math.inf,) * 8), at=7.5),
                 rear_scan((*(math.inf,) * 8, 4.0), at=7.6),
+                # The only distance equals range_min, then range_max.
+                rear_scan((0.1, *(math.inf,) * 8), at=7.63),
+                rear_scan((30.0, *(math.inf,) * 8), at=7.66),
                 # Nothing is near.
                 rear_scan((math.inf,) * 9, at=7.7),
                 rear_scan(LAST, at=7.8, first=-math.radians(120), step=SCAN_STEP),

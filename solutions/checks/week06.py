@@ -125,9 +125,10 @@ HIDDEN = {
             ),
         ),
         Scenario(
-            "nobody sets anything",
+            "one of two values is wrong, so that nothing changes",
             seconds=3.0,  # [s]
             seed=6,
+            inputs=(inputs.set_parameters("/camera", 1.0, at_once=True, frame_id="lens", frame_rate=75.0),),
             checks=(
                 expect_rate(IMAGES, my("frame_rate")).requiring(PIXELS).worth(0.1),
                 expect_message(IMAGES, {"header.frame_id": "camera_link"}).requiring(PIXELS).worth(0.1),

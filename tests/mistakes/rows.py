@@ -23,8 +23,10 @@ from course_lib.authoring.edits import apply_changes, read_answers
 from course_lib.course.state import solutions_dir
 from course_lib.errors import CourseError
 from course_lib.grading.advice import Advice
+from course_lib.grading.caught_errors import CaughtErrors
 from course_lib.grading.check import table_of
 from course_lib.grading.judge import judge_task
+from course_lib.grading.own_source import source_of
 from course_lib.grading.records import Run
 from course_lib.grading.reports.rendering import ALL_PASSED, FOR_A_PERSON
 from course_lib.grading.run.outcome import describe
@@ -137,10 +139,13 @@ def seen(mistake: Mistake) -> list[str]:
         except (Exception, SystemExit) as error:
             return [describe(error)]
         small = partial(ScenarioGraph, room=EVIDENCE_LIMIT)
-        with patch("course_lib.grading.run.scenario.ScenarioGraph", small):
+        source = source_of(namespace[task.name], task.week)
+        graph = patch("course_lib.grading.run.scenario.ScenarioGraph", small)
+        with graph, CaughtErrors(source) as caught:
             runs = [Run(one, evidence_here(task, one, namespace, WALL_LIMIT)) for one in task.scenarios]
     result = judge_task(task, *catalog().points(task), runs)
-    shown = str(table_of(task, result, [run.evidence for run in runs], STUDENT, Advice(), mistake.code))
+    evidence = [run.evidence for run in runs]
+    shown = str(table_of(task, result, evidence, STUDENT, Advice(), source, caught))
     return [line for line in shown.splitlines()[1:] if " ✓ " not in f" {line} "]
 
 

@@ -1,0 +1,136 @@
+"""Errors that a student's own code catches and hides, as in `except Exception: pass`."""
+
+import ast
+import linecache
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from types import FrameType, TracebackType
+from typing import Any, Self
+
+from course_lib.grading.run.outcome import describe
+from course_lib.grading.slips import parse
+from course_lib.ros.tracebacks import is_own
+
+# Catching these classes catches mistakes in the code as well.
+_ALL_ERRORS = {"Exception", "BaseException"}
+# Errors that are mistakes in the code. Others may be expected: a lookup of a transform that has not
+# arrived, or math.acos of a number above 1.
+_MISTAKES = (NameError, AttributeError, TypeError, ImportError, AssertionError)
+
+
+@dataclass(frozen=True)
+class Handler:
+    """What catches errors: an `except` or a `suppress`.
+
+    Args:
+        head: Its first line.
+        kinds: The names of the classes that it catches, without their modules.
+        is_silent: Whether it does not raise the error again.
+    """
+
+    head: str
+    kinds: frozenset[str]
+    is_silent: bool = True
+
+    @property
+    def catches_all(self) -> bool:
+        """Whether mistakes in the code are among the errors that it catches."""
+        return bool(self.kinds & _ALL_ERRORS)
+
+
+class CaughtErrors:
+    """The errors that a student's handlers hide while the `with` block runs.
+
+    `mistake` names the first mistake in the code that a handler of every error hides, and `other`
+    the last one of all other errors; both are "" if there is none.
+
+    Python's trace function reports each error where it is raised, before a handler sees it. Tracing
+    takes time, so only code with a handler is traced.
+
+    Args:
+        source: The student's code.
+    """
+
+    def __init__(self, source: str) -> None:
+        self._has_handler = any(one.is_silent for node in ast.walk(parse(source)) for one in _handlers(node))
+        self._before: Any = None
+        self.mistake = ""
+        self.other = ""
+
+    def __enter__(self) -> Self:
+        if self._has_handler:
+            self._before = sys.gettrace()
+            sys.settrace(self._trace_calls)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._has_handler:
+            sys.settrace(self._before)
+
+    def _trace_calls(self, frame: FrameType, event: str, _: Any) -> Any:
+        if event != "call" or self.mistake or not is_own(frame.f_code.co_filename):
+            return None
+        frame.f_trace_lines = False
+        return self._trace_errors
+
+    def _trace_errors(self, frame: FrameType, event: str, raised: Any) -> Any:
+        if event == "exception" and not self.mistake:
+            _, error, trace = raised
+            handler = _handler_of(frame.f_code.co_filename, frame.f_lineno, error)
+            if handler is not None:
+                self._keep(error, trace, handler)
+        return self._trace_errors
+
+    def _keep(self, error: BaseException, trace: TracebackType, handler: Handler) -> None:
+        # An error gets its traceback only when a handler catches it.
+        before, error.__traceback__ = error.__traceback__, trace
+        text = f'"{handler.head}" hides this error: {describe(error)}'
+        error.__traceback__ = before
+        if handler.catches_all and isinstance(error, _MISTAKES):
+            self.mistake = text
+        else:
+            self.other = text
+
+
+def _handlers(node: ast.AST) -> Iterator[Handler]:
+    """Yield the handlers of a statement for its own body."""
+    match node:
+        case ast.Try(handlers=handlers) | ast.TryStar(handlers=handlers):
+            for one in handlers:
+                inner = [part for statement in one.body for part in ast.walk(statement)]
+                is_silent = not any(isinstance(part, ast.Raise) for part in inner)
+                yield Handler(ast.unparse(one).splitlines()[0], _names_of(one.type), is_silent)
+        case ast.With(items=[ast.withitem(context_expr=ast.Call(func=called, args=kinds) as call)]) if (
+            ast.unparse(called).endswith("suppress")
+        ):
+            yield Handler(f"with {ast.unparse(call)}:", _names_of(ast.Tuple(kinds)))
+
+
+def _names_of(kind: ast.expr | None) -> frozenset[str]:
+    kinds = kind.elts if isinstance(kind, ast.Tuple) else [kind]
+    return frozenset("BaseException" if one is None else ast.unparse(one).split(".")[-1] for one in kinds)
+
+
+def _handler_of(filename: str, line: int, error: BaseException) -> Handler | None:
+    """Return the handler at which an error of a line ends, or None if the error goes on."""
+    kinds = {kind.__name__ for kind in type(error).__mro__}
+    for handlers in _handlers_by_line("".join(linecache.getlines(filename))).get(line, ()):
+        first = next((handler for handler in handlers if handler.kinds & kinds), None)
+        if first is not None and first.is_silent:
+            return first
+    return None
+
+
+@lru_cache(maxsize=50)
+def _handlers_by_line(text: str) -> dict[int, list[list[Handler]]]:
+    """Return the handlers of each statement around a line of a program, the innermost statement first."""
+    found: dict[int, list[list[Handler]]] = {}
+    # ast.walk visits outer statements first.
+    for node in ast.walk(parse(text)):
+        if handlers := list(_handlers(node)):
+            body: list[ast.stmt] = getattr(node, "body", [])
+            for line in range(body[0].lineno, (body[-1].end_lineno or 0) + 1):
+                found[line] = [handlers, *found.get(line, [])]
+    return found
