@@ -351,8 +351,8 @@ def _call_hint(missing: str, line: str, frame: FrameType) -> str:
 def _is_string_of_class(name: str, frame: FrameType) -> bool:
     """Return whether a name is a string in the running function or another method of its class."""
     methods = vars(type(frame.f_locals.get("self"))).values()
-    codes = [frame.f_code, *(one.__code__ for one in methods if isinstance(one, FunctionType))]
-    return any(name in filter(lambda one: isinstance(one, str), code.co_consts) for code in codes)
+    codes = [frame.f_code, *(m.__code__ for m in methods if isinstance(m, FunctionType))]
+    return any(isinstance(c, str) and c == name for code in codes for c in code.co_consts)
 
 
 def _find_abbreviation(wanted: str, frame: FrameType) -> str:
@@ -363,7 +363,7 @@ def _find_abbreviation(wanted: str, frame: FrameType) -> str:
 
     def abbreviates(short: str, long: str) -> bool:
         letters = iter(long)
-        return short[:1] == long[:1] and len(short) < len(long) and all(one in letters for one in short)
+        return short[:1] == long[:1] and len(short) < len(long) and all(c in letters for c in short)
 
     own = [name for name in frame.f_locals if name != "self" and frame.f_code.co_name.isidentifier()]
     near = [name for name in own if abbreviates(wanted, name) or abbreviates(name, wanted)]
@@ -372,8 +372,8 @@ def _find_abbreviation(wanted: str, frame: FrameType) -> str:
 
 def _function_that_sets(name: str, code: CodeType) -> str:
     """Return the name of a nested function that has a local variable of this name, or ""."""
-    nested = (one for one in code.co_consts if isinstance(one, CodeType) and one.co_name.isidentifier())
-    return next((one.co_name for one in nested if name in one.co_varnames[one.co_argcount :]), "")
+    nested = (part for part in code.co_consts if isinstance(part, CodeType) and part.co_name.isidentifier())
+    return next((code.co_name for code in nested if name in code.co_varnames[code.co_argcount :]), "")
 
 
 def _is_set_before(error: BaseException, name: str) -> bool:
@@ -383,17 +383,17 @@ def _is_set_before(error: BaseException, name: str) -> bool:
         trace = trace.tb_next
     if trace is None:
         return False
-    stores = (one for one in dis.get_instructions(trace.tb_frame.f_code) if one.argval == name)
-    return any("STORE" in one.opname and one.offset < trace.tb_lasti for one in stores)
+    stores = (i for i in dis.get_instructions(trace.tb_frame.f_code) if i.argval == name)
+    return any("STORE" in i.opname and i.offset < trace.tb_lasti for i in stores)
 
 
 def _constant_of(name: str, names: Mapping[str, object]) -> str:
     """Return a constant of a message class that is in scope, like "Marker.CUBE", or ""."""
     if not name.isupper():
         return ""
-    kinds = {key: one for key, one in names.items() if isinstance(one, type)}
-    classes = ((key, one) for key, one in kinds.items() if hasattr(one, "get_fields_and_field_types"))
-    return next((f"{key}.{name}" for key, one in classes if isinstance(getattr(one, name, None), int)), "")
+    kinds = {key: cls for key, cls in names.items() if isinstance(cls, type)}
+    classes = ((key, cls) for key, cls in kinds.items() if hasattr(cls, "get_fields_and_field_types"))
+    return next((f"{key}.{name}" for key, cls in classes if isinstance(getattr(cls, name, None), int)), "")
 
 
 def _parameters(code: CodeType) -> str:
@@ -406,7 +406,7 @@ def parameter_hint(error: BaseException) -> str:
     """Return a question with the declared parameter closest to a missing one, or ""."""
     match = re.search(r"undeclared parameter\(s\): (\w+)$", str(error))
     holders = (frame.f_locals.get("self") for frame, _ in walk_tb(error.__traceback__))
-    node = next((one for one in holders if hasattr(one, "get_parameters_by_prefix")), None)
+    node = next((holder for holder in holders if hasattr(holder, "get_parameters_by_prefix")), None)
     similar = nearest(match[1], node.get_parameters_by_prefix("")) if match and node is not None else ""
     return f"did you mean {similar!r}? It is declared." if similar else ""
 
@@ -428,7 +428,7 @@ def key_hint(error: BaseException) -> str:
         )
     attributes = getattr(frame.f_locals.get("self"), "__dict__", {})
     reached = [*frame.f_locals.values(), *attributes.values(), *frame.f_globals.values()]
-    keys = [key for one in reached if type(one) is dict for key in one if isinstance(key, str)]
+    keys = [key for value in reached if type(value) is dict for key in value if isinstance(key, str)]
     similar = nearest(missing_key, keys)
     return f"did you mean {similar!r}?" if similar else ""
 
@@ -449,13 +449,13 @@ def attribute_hint(error: AttributeError) -> str:
         found := _method_outside(error.name, cls) or _local_variable_hint(error.name, cls)
     ):
         return found
-    own_classes = [one for one in cls.__mro__ if is_student_class(one)]
+    own_classes = [base for base in cls.__mro__ if is_student_class(base)]
     if own_classes:
         # For a student's own node class, its own attributes and ROS's methods are suggested. ROS's
         # properties, like `publishers`, are too similar to names that students choose.
         attributes = [
             *getattr(error.obj, "__dict__", ()),
-            *(name for one in own_classes for name in vars(one)),
+            *(name for base in own_classes for name in vars(base)),
         ]
         methods = [name for name in public_attributes(cls) if callable(getattr(cls, name, None))]
         names = [name for name in [*attributes, *methods] if not name.startswith("_")]
@@ -467,9 +467,9 @@ def attribute_hint(error: AttributeError) -> str:
         values = getattr(error.obj, "__dict__", {}).items()
         holders = [
             key
-            for key, one in values
+            for key, value in values
             if not key.startswith("_")
-            and (callable(getattr(type(one), error.name, None)) or error.name in _fields(one))
+            and (callable(getattr(type(value), error.name, None)) or error.name in _fields(value))
         ]
         if holders:
             return f"did you mean `self.{holders[0]}.{error.name}`?"
@@ -504,15 +504,15 @@ def _module_attribute_hint(module: ModuleType, name: str, frame: FrameType | Non
     file = frame.f_code.co_filename if frame is not None else ""
     if not file.startswith(_KIT_FOLDER) and not _is_from_student(file):
         return ""
-    if any(one.name == name for one in iter_modules(module.__path__)):
+    if any(inner.name == name for inner in iter_modules(module.__path__)):
         return f"a module of a package is imported by its whole name: `import {package}.{name}`."
     return ""
 
 
 def _local_variable_hint(name: str, cls: type) -> str:
     """Return the hint for an attribute that a method sets as a variable, without self, or ""."""
-    for key, one in vars(cls).items():
-        code = one.__code__ if isinstance(one, FunctionType) else None
+    for key, method in vars(cls).items():
+        code = method.__code__ if isinstance(method, FunctionType) else None
         if code is not None and name in code.co_varnames[code.co_argcount :]:
             return f"{name} = … in {key} is a variable that ends with it: write self.{name} = … there."
     return ""
@@ -526,11 +526,11 @@ def _fields(value: object) -> Collection[str]:
 
 def _method_outside(name: str, cls: type) -> str:
     """Return the hint for a method that is defined after its class, or inside another method, or ""."""
-    codes = {key: one.__code__ for key, one in vars(cls).items() if isinstance(one, FunctionType)}
+    codes = {key: method.__code__ for key, method in vars(cls).items() if isinstance(method, FunctionType)}
     for outer, code in codes.items():
-        if any(isinstance(one, CodeType) and one.co_name == name for one in code.co_consts):
+        if any(isinstance(part, CodeType) and part.co_name == name for part in code.co_consts):
             return f"def {name} is inside of {outer}: indent it as far as def {outer}."
-    methods = [one for one in vars(cls).values() if isinstance(one, FunctionType)]
+    methods = [method for method in vars(cls).values() if isinstance(method, FunctionType)]
     function = methods[0].__globals__.get(name) if methods else None
     if isinstance(function, FunctionType) and function.__code__.co_varnames[:1] == ("self",):
         first = methods[0].__name__
@@ -583,7 +583,7 @@ def keyword_hint(error: BaseException) -> str:
         return "this is rclpy's Node. In a launch file, write `from launch_ros.actions import Node`."
     if (other := _OTHER_KEYWORDS.get(match[2], "")) in names:
         return f"did you mean `{other}`?"
-    similar = nearest(match[2], names, 0.6) or next((one for one in names if one.startswith(match[2])), "")
+    similar = nearest(match[2], names, 0.6) or next((n for n in names if n.startswith(match[2])), "")
     if match[2] == "queue_size" and "qos_profile" in names:
         return "queue_size is from ROS 1: write the number alone, like 10, as the last argument."
     if similar:
@@ -633,7 +633,7 @@ def keyword_argument_hint(error: BaseException) -> str:
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):
         return ""
-    named = [one.name for one in parameters if one.kind == inspect.Parameter.KEYWORD_ONLY]
+    named = [p.name for p in parameters if p.kind == inspect.Parameter.KEYWORD_ONLY]
     missing = int(match[3]) - int(match[2])
     if not named and isinstance(function, FunctionType) and match[2] == "0":
         return f"{match[1]} takes no values: write {match[1]}()."
@@ -658,17 +658,17 @@ def _is_of_library(function: object) -> bool:
 def _reachable_object(frame: FrameType, name: str) -> Any:
     """Return the object of a name: a variable, or a method of self or of an object in scope."""
     instance = frame.f_locals.get("self")
-    for one in (frame.f_locals, frame.f_globals, vars(builtins)):
-        if name in one:
-            return one[name]
+    for names in (frame.f_locals, frame.f_globals, vars(builtins)):
+        if name in names:
+            return names[name]
     holders = [
         instance,
         *frame.f_locals.values(),
         *getattr(instance, "__dict__", {}).values(),
         *frame.f_globals.values(),
     ]
-    methods = (getattr(type(one), name, None) for one in holders if one is not None)
-    return next((one for one in methods if callable(one)), None)
+    methods = (getattr(type(holder), name, None) for holder in holders if holder is not None)
+    return next((method for method in methods if callable(method)), None)
 
 
 def constructor_hint(error: BaseException) -> str:
@@ -702,7 +702,7 @@ def unnamed_field_hint(error: BaseException) -> str:
         if not free and isinstance(value, str):
             return ""
         if not free:
-            return f"{kind.__name__} takes its fields by name: {join_words([one.name for one in fields])}."
+            return f"{kind.__name__} takes its fields by name: {join_words([f.name for f in fields])}."
         names.append(free[0])
     return (
         f"pass each value with the name of its field: "
@@ -816,10 +816,10 @@ def call_with_fields(name: str) -> str:
 
     The result is "" if no type has this name. Of several types, one of a common package is chosen.
     """
-    types = [one for one in type_names() if one.endswith(f"/msg/{name}")]
+    types = [type_name for type_name in type_names() if type_name.endswith(f"/msg/{name}")]
     if not types:
         return ""
-    common = [one for one in types if one.partition("/")[0] in COMMON]
+    common = [type_name for type_name in types if type_name.partition("/")[0] in COMMON]
     samples = {"float64": "1.0", "float32": "1.0", "string": "'text'", "bool": "True"}
     fields = definition((common or types)[0]).fields[:4]
     lists = [field for field in fields if field.container != "scalar"]
