@@ -65,9 +65,9 @@ def idle_operators(solutions: Path, cells: Sequence[str]) -> Iterator[str]:
             yield operator.name
 
 
-def mutants(code: str, among: Iterable[Operator]) -> Iterator[tuple[Operator, str]]:
+def mutants(code: str, operators: Iterable[Operator]) -> Iterator[tuple[Operator, str]]:
     """Yield (operator, mutated code) for each match of an operator."""
-    for operator in among:
+    for operator in operators:
         for match in re.finditer(operator.pattern, code):
             yield operator, code[: match.start()] + match.expand(operator.replacement) + code[match.end() :]
 
@@ -287,7 +287,7 @@ def make_rehearsal(edits: Sequence[Edit], cells: Sequence[str], week: str) -> Re
 
 
 def make_edits(
-    tasks: Sequence[Task], answers: Answers, cells: Sequence[str], among: Sequence[Operator]
+    tasks: Sequence[Task], answers: Answers, cells: Sequence[str], operators: Sequence[Operator]
 ) -> Iterator[Edit | Flaw]:
     """Yield the edits of all variants and mutants of the solution, and flaws for inapplicable ones."""
     by_id = {task.id: task for task in tasks}
@@ -302,7 +302,7 @@ def make_edits(
         yield Flaw("wrong", text, str(answers.path))
     for task in tasks:
         same = answers.same.get(task.id, ())
-        mutants = list(_mutant_edits(task, cells, among, answers.path))
+        mutants = list(_mutant_edits(task, cells, operators, answers.path))
         yield from (edit for operator, edit in mutants if operator.name not in same)
         for name in set(same) - {operator.name for operator, _ in mutants}:
             text = f"[same] {task.id.split('.')[1]}: the task has no mutant {name!r}: remove it"
@@ -367,14 +367,14 @@ def _check_right_answer(variant: Variant, place: str, result: TaskResult) -> Ite
 
 
 def _mutant_edits(
-    task: Task, cells: Sequence[str], among: Sequence[Operator], path: Path
+    task: Task, cells: Sequence[str], operators: Sequence[Operator], path: Path
 ) -> Iterator[tuple[Operator, Edit]]:
     defined = re.compile(rf"^(class|def) {task.name}\b", re.MULTILINE)
     place = next((i for i, cell in enumerate(cells) if defined.search(cell)), None)
     if place is None:
         # Answers that are values or strings are not mutated; their variants are in the week's file.
         return
-    for operator, code in mutants(cells[place], among):
+    for operator, code in mutants(cells[place], operators):
         name = f"{task.id}: mutant {operator.name!r}"
         yield operator, Edit(task.id, name, {place: code}, True, partial(_check_mutant, operator, name, path))
 
@@ -479,14 +479,14 @@ class Code:
         """Return a copy in which one cell is replaced."""
         return Code((*self.cells[:index], code, *self.cells[index + 1 :]))
 
-    def undefined_names(self, among: Iterable[Key]) -> set[str]:
+    def undefined_names(self, keys: Iterable[Key]) -> set[str]:
         """Return the names that these statements refer to and that no cell binds."""
         defined_names = ALWAYS_DEFINED.union(*(s.provided for s in self.statements.values()))
-        return {name for key in among for name in self.statements.get(key, NOTHING).names} - defined_names
+        return {name for key in keys for name in self.statements.get(key, NOTHING).names} - defined_names
 
-    def undefined_attributes(self, among: Iterable[Key], attributes: Iterable[str]) -> set[str]:
+    def undefined_attributes(self, keys: Iterable[Key], attributes: Iterable[str]) -> set[str]:
         """Return the members of `attributes` that these statements read and never assign."""
-        statements = [self.statements.get(key, NOTHING) for key in among]
+        statements = [self.statements.get(key, NOTHING) for key in keys]
         read_attributes = {name for statement in statements for name in statement.read_attributes}
         return read_attributes.intersection(attributes).difference(*(s.assigned for s in statements))
 

@@ -531,16 +531,16 @@ def collect_needed_statements(
     to_do, last = [root], len(code) + len(left_out)
     while to_do:
         user = to_do.pop()
-        givers = [_find_binding(name, user, code, left_out, at=user.order) for name in sorted(user.now)]
-        givers += [_find_binding(name, user, code, left_out, at=last) for name in sorted(user.later)]
+        definitions = [_find_binding(name, user, code, left_out, at=user.order) for name in sorted(user.now)]
+        definitions += [_find_binding(name, user, code, left_out, at=last) for name in sorted(user.later)]
         if not user.is_import:
-            givers += [
+            definitions += [
                 s for s in code if s.changes & user.bindings and not isinstance(user.node, ast.ClassDef)
             ]
-        for giver in givers:
-            if giver is not None and giver.order not in needed:
-                needed[giver.order] = giver
-                to_do.append(giver)
+        for definition in definitions:
+            if definition is not None and definition.order not in needed:
+                needed[definition.order] = definition
+                to_do.append(definition)
     return [needed[order] for order in sorted(needed)]
 
 
@@ -559,10 +559,10 @@ def _find_binding(
     name: str, user: Statement, code: Sequence[Statement], left_out: Sequence[Statement], *, at: int
 ) -> Statement | None:
     """Find the last statement before `at` that binds a name; without one, the first after it."""
-    givers = [s for s in code if name in s.bindings or "*" in s.bindings]
-    before = [s for s in givers if s.order < at]
-    if givers:
-        return before[-1] if before else givers[0]
+    definitions = [s for s in code if name in s.bindings or "*" in s.bindings]
+    before = [s for s in definitions if s.order < at]
+    if definitions:
+        return before[-1] if before else definitions[0]
     if name in _ALWAYS_THERE or name in user.bindings:
         return None
     usage = f"{', '.join(sorted(user.bindings)) or 'a statement'} (cell {user.cell.number}) uses {name!r}"

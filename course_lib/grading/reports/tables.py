@@ -289,11 +289,11 @@ class Concern:
         return " ".join([self.text, ", ".join(str(out / "reports" / page) for page in self.pages)]).rstrip()
 
 
-def flags(result: MarkedResult, alike: Mapping[tuple[str, str], SimilarSubmission]) -> list[Flag]:
+def flags(result: MarkedResult, similar_code: Mapping[tuple[str, str], SimilarSubmission]) -> list[Flag]:
     """Return the reasons to review one result."""
     word = result.result.submission.id_flag
     raised = [Flag(word, word)] if word else []
-    if similar := alike.get((result.student, result.exercise)):
+    if similar := similar_code.get((result.student, result.exercise)):
         if similar.others:
             raised.append(Flag(SIMILAR, f"{SIMILAR}: {join_few(similar.others)}", similar.link))
         if similar.remarks:
@@ -303,14 +303,11 @@ def flags(result: MarkedResult, alike: Mapping[tuple[str, str], SimilarSubmissio
 
 def review_reasons(results: Iterable[MarkedResult], out: Path) -> list[Concern]:
     """Return each reason to review submissions, with the submissions."""
-    alike, students_by_kind, pages = (
-        read_similar(out),
-        defaultdict[str, list[str]](list),
-        defaultdict[str, set[str]](set),
-    )
+    similar_code = read_similar(out)
+    students_by_kind, pages = defaultdict[str, list[str]](list), defaultdict[str, set[str]](set)
     for result in results:
         is_held = result.row.status == "needs_marking"
-        for flag in (flag for flag in flags(result, alike) if flag.kind != MISMATCH or is_held):
+        for flag in (flag for flag in flags(result, similar_code) if flag.kind != MISMATCH or is_held):
             students_by_kind[flag.kind].append(f"{result.student} {result.exercise}")
             pages[flag.kind] |= {flag.link.split("#")[0]} - {""}
     return [
@@ -352,11 +349,11 @@ def write_tables(out: Path, zone: ZoneInfo) -> list[MarkedResult]:
 
 def write_index(out: Path, zone: ZoneInfo, results: Sequence[MarkedResult]) -> Path:
     """Write OUT/reports/index.html from all results, with times in a zone."""
-    failures, alike = _failures(results), read_similar(out)
+    failures, similar_code = _failures(results), read_similar(out)
     page = fill(
         "index.html",
         headings=[heading for _, heading in INDEX_COLUMNS],
-        lines=[{**_line(result, out, zone), "flags": flags(result, alike)} for result in results],
+        lines=[{**_line(result, out, zone), "flags": flags(result, similar_code)} for result in results],
         concerns=review_reasons(results, out),
         counts=sorted(Counter(result.row.status for result in results).items()),
         isolations=Counter(result.result.isolation for result in results).most_common(),

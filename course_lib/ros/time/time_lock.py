@@ -317,10 +317,12 @@ class TimeLock:
             del self._threads[_thread.get_ident()]
             # Without the main thread, time does not advance.
             if me.main:
-                heir = next((t for t in self._waiting if t.can_enter()), None)
+                successor = next((t for t in self._waiting if t.can_enter()), None)
             else:
-                heir = self._runnable(me, current_graph()) or next((t for t in self._waiting if t.main), None)
-            self._pass_lock(me, heir)
+                successor = self._runnable(me, current_graph()) or next(
+                    (t for t in self._waiting if t.main), None
+                )
+            self._pass_lock(me, successor)
 
     def wait(
         self,
@@ -489,13 +491,13 @@ class TimeLock:
         )
         next((t for t in self._waiting if t.main and t.waits_in(graph)), me).pending_error = error
 
-    def _hand_over(self, me: ProgramThread, heir: ProgramThread | None) -> None:
-        """Pass the lock to `heir`, or release it until the main thread is back.
+    def _hand_over(self, me: ProgramThread, successor: ProgramThread | None) -> None:
+        """Pass the lock to `successor`, or release it until the main thread is back.
 
         Block until it returns.
         """
         with self._mutex:
-            self._pass_lock(me, heir or self._runnable(me, current_graph()))
+            self._pass_lock(me, successor or self._runnable(me, current_graph()))
         self._await_turn(me)
 
     def _await_turn(self, me: ProgramThread) -> None:
@@ -581,12 +583,12 @@ class TimeLock:
                 )
                 return
 
-    def _pass_lock(self, giver: ProgramThread | None, heir: ProgramThread | None) -> None:
+    def _pass_lock(self, owner: ProgramThread | None, successor: ProgramThread | None) -> None:
         """Pass the lock on, under the mutex, unless an urgent interrupt has already taken it."""
-        if self._holder is giver:
-            self._holder = heir
-            if heir is not None:
-                heir.turn.release()
+        if self._holder is owner:
+            self._holder = successor
+            if successor is not None:
+                successor.turn.release()
 
 
 class HeldTimeLock:
