@@ -528,8 +528,11 @@ def expect_joint_swing(
     states = received_messages(evidence, topic, STATE)
     swing = [(s, m.position[i]) for s, m in states if (i := _index(m, joint)) < len(m.position)]
     if not swing:
-        joint_names = ", ".join(states[-1][1].name) or "no joint"
-        message = f"no position of {joint} was published on {topic}; the last message has {joint_names}"
+        last = states[-1][1]
+        content = ", ".join(last.name) or "no joint"
+        if joint in last.name:
+            content = f"{len(last.name)} names and {format_count(len(last.position), 'position')}"
+        message = f"no position of {joint} was published on {topic}; the last message has {content}"
         return [Problem(message, "the position of a joint is missing")]
     if any(list(m.name).count(joint) > 1 for _, m in states):
         message = (
