@@ -2,6 +2,8 @@
 
 import sys
 
+from course_lib.errors import format_count
+
 # Number of equal lines in a row that are printed.
 SHOWN_LINES = 5
 
@@ -75,7 +77,7 @@ class RepeatedLines:
 
     def _report(self) -> None:
         self._reported = self._times
-        sys.stderr.write(f"… repeated {self._times - SHOWN_LINES} times\n")
+        sys.stderr.write(f"… repeated {format_count(self._times - SHOWN_LINES, 'time')}\n")
 
 
 # One object for the process, because stderr belongs to the process.
