@@ -19,8 +19,8 @@ from launch.entities import (
     SomeSubstitutionsType,
     text_of,
 )
-from launch.frontend.element import InvalidFrontendLaunchFileError as InvalidFrontendLaunchFileError
-from launch.frontend.element import description_of
+from launch.frontend.grammar import InvalidFrontendLaunchFileError as InvalidFrontendLaunchFileError
+from launch.frontend.grammar import description_of
 
 
 class InvalidPythonLaunchFileError(InvalidLaunchFileError):

@@ -3,7 +3,9 @@
 from typing import Any
 
 from launch.entities import LaunchContext, text_of
-from launch.frontend.element import (
+from launch.frontend.elements import PROCESS
+from launch.frontend.entity import Entity
+from launch.frontend.grammar import (
     ELEMENTS,
     SUBSTITUTIONS,
     Attribute,
@@ -21,8 +23,6 @@ from launch.frontend.element import (
     text,
     word,
 )
-from launch.frontend.elements import PROCESS
-from launch.frontend.entity import Entity
 from launch.substitutions import TextSubstitution
 
 from launch_ros import actions as ros

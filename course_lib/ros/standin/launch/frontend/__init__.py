@@ -1,5 +1,5 @@
 """XML and YAML launch files."""
 
-from launch.frontend.element import InvalidFrontendLaunchFileError as InvalidFrontendLaunchFileError
-from launch.frontend.element import description_of as description_of
-from launch.frontend.element import parse_substitution as parse_substitution
+from launch.frontend.grammar import InvalidFrontendLaunchFileError as InvalidFrontendLaunchFileError
+from launch.frontend.grammar import description_of as description_of
+from launch.frontend.grammar import parse_substitution as parse_substitution

@@ -3,7 +3,7 @@
 from launch import actions, substitutions
 from launch.entities import LaunchContext, text_of
 from launch.entities import SomeSubstitutionsType as Some
-from launch.frontend.element import (
+from launch.frontend.grammar import (
     ELEMENTS,
     SUBSTITUTIONS,
     Attribute,
@@ -18,7 +18,7 @@ from launch.frontend.element import (
     text,
     word,
 )
-from launch.frontend.element import actions as inner
+from launch.frontend.grammar import actions as inner
 
 _NAME = Attribute("name", text, needed=True)
 _VALUE = Attribute("value", text, needed=True)

@@ -215,7 +215,7 @@ def description_of(file: Path) -> LaunchDescription:
         reason = root.get("deprecated")
         token = _file.set(file)
         try:
-            description = LaunchDescription(inner_actions(root), deprecated_reason=reason)
+            description = LaunchDescription(actions(root), deprecated_reason=reason)
         finally:
             _file.reset(token)
         # As in ROS, other attributes of the root are ignored:
@@ -226,9 +226,9 @@ def description_of(file: Path) -> LaunchDescription:
     return description
 
 
-def inner_actions(entity: Entity, excluded_tag: str = "") -> list[Action]:
-    """Return the actions of an entity's child elements, except those with the excluded tag."""
-    return [_action(child) for child in entity.children if child.type_name != excluded_tag]
+def actions(entity: Entity, name: str = "") -> list[Action]:
+    """Read the child elements as actions, except those with the tag `name`."""
+    return [_action(child) for child in entity.children if child.type_name != name]
 
 
 def _leave_out(reason: str, context: LaunchContext) -> NoReturn:
@@ -310,15 +310,10 @@ def reader_of(kind: type) -> Reader:
     return read
 
 
-def actions(entity: Entity, name: str) -> list[Action]:
-    """Read the child elements as actions, except those with the tag `name`."""
-    return inner_actions(entity, name)
-
-
 def pairs(first: str, second: str) -> Reader:
     """Return a reader for child elements with two attributes."""
-    attributes = (Attribute(first, text, "one", True), Attribute(second, text, "other", True))
-    return list_reader(Element(lambda one, other: (tuple(one), other), attributes, conditional=False))
+    attributes = (Attribute(first, text, "first", True), Attribute(second, text, "second", True))
+    return list_reader(Element(lambda first, second: (tuple(first), second), attributes, conditional=False))
 
 
 def launch_arguments(entity: Entity, name: str) -> list[Any] | None:
