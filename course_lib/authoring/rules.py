@@ -32,12 +32,13 @@ QUESTIONS = ("quiz", "predict", "compare")
 
 
 def parse_cell(cell: str) -> ast.Module:
-    """Parse a cell. Magics and shell commands are treated as comments.
+    """Parse a cell. Magics and shell commands, with their continued lines, are treated as comments.
 
     Raises:
         SyntaxError: The cell is not valid Python.
     """
-    return ast.parse(re.sub(r"^([%!])", r"# \1", cell, flags=re.MULTILINE))
+    commands = re.compile(r"^[%!](?:.*\\\n)*.*", re.MULTILINE)
+    return ast.parse(commands.sub(lambda match: re.sub(r"(?m)^", "# ", match[0]), cell))
 
 
 @dataclass(frozen=True)

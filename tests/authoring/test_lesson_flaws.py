@@ -1,8 +1,10 @@
 """The rules for lessons and for tasks in notebooks: one violation of each is reported."""
 
+import ast
+
 import pytest
 
-from course_lib.authoring.rules import page_flaws
+from course_lib.authoring.rules import page_flaws, parse_cell
 from course_lib.grading.store import Course
 from tests.authoring.conftest import Break
 
@@ -80,3 +82,10 @@ def test_lesson_that_violates_a_rule_is_reported(
     change(LESSON, old, new)
     flaws = [str(flaw) for flaw in page_flaws("week09", course)]
     assert [line for line in flaws if text in line], flaws
+
+
+def test_command_that_continues_on_further_lines_is_no_syntax_error() -> None:
+    tree = parse_cell("%ros2 topic list | \\\n    grep \\\n    scan\nrclpy.init()\n!ls")
+    assert [ast.unparse(statement) for statement in tree.body] == ["rclpy.init()"]
+    with pytest.raises(SyntaxError):
+        parse_cell("%ros2 topic list\n    grep")
