@@ -137,6 +137,20 @@ def test_code_beside_a_view_is_readable_and_the_view_is_wide_enough(notebook: No
     assert not notebook.page.locator(FILE_BROWSER).is_visible(), "both need its place in this window"
 
 
+def test_text_outputs_break_their_lines_between_words(notebook: Notebook) -> None:
+    ask_for_view_beside(notebook)
+    text = notebook.run_below("print('callbacks ' * 50)").locator(".jp-RenderedText pre")
+    script = """pre => [...pre.textContent.matchAll(/\\S+/g)].filter(word => {
+        const range = document.createRange();
+        range.setStart(pre.firstChild, word.index);
+        range.setEnd(pre.firstChild, word.index + word[0].length);
+        return range.getClientRects().length > 1; }).length"""
+    assert text.evaluate("pre => pre.clientHeight / parseFloat(getComputedStyle(pre).lineHeight)") > 3
+    assert text.evaluate(script) == 0
+    notebook.page.keyboard.press("Escape")
+    notebook.ask("() => jupyterapp.commands.execute('notebook:delete-cell')")
+
+
 def test_next_viewer_takes_the_panel_and_the_first_one_takes_it_back(notebook: Notebook) -> None:
     ask_for_view_beside(notebook)
     notebook.cell("publisher.publish")

@@ -123,12 +123,14 @@
   }
 
   /**
-   * Hide the broken links that ipywidgets draws at each control of a kernel that has ended: a line says it once. In
-   * narrow windows, break long code in tables, which would push the other columns out of sight.
+   * Hide the broken links that ipywidgets draws at each control of a kernel that has ended: a line says it once. Break
+   * lines of text outputs between words, not within. In narrow windows, break long code in tables, which would push the
+   * other columns out of sight.
    */
   function addStyles() {
     const style = document.createElement("style");
     style.textContent = `.jp-Cell:has(.course-saved) .jupyter-widgets-disconnected::before { content: none; }
+      .jp-OutputArea-output.jp-RenderedText pre { word-break: normal; overflow-wrap: anywhere; }
       @media (max-width: 900px) { .jp-RenderedMarkdown td code { overflow-wrap: anywhere; } }`;
     document.head.append(style);
   }
