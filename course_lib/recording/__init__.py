@@ -252,9 +252,10 @@ _SQLITE_MAGIC = b"SQLite format 3\0"
 _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = _OPCODES = (3, 4, 5, 6)
 _TOPICS = "SELECT id, name, type, serialization_format, offered_qos_profiles FROM topics"
 _DEFINITIONS_TABLE = "SELECT 1 FROM sqlite_master WHERE name = 'message_definitions'"
-_DEFINITIONS = "SELECT topic_type, encoded_message_definition FROM message_definitions WHERE encoding = ?"
-# The encoding of definitions in the format of .msg files.
-_MSG = "ros2msg"
+_DEFINITIONS = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
+# The encodings of definitions in the formats of .msg and .idl files. rosbag2 writes the third one
+# for services whose definitions name no other types, and where it does not find a definition.
+_TEXT_ENCODINGS = ("ros2msg", "ros2idl", "unknown")
 # Without the index, because it may be incomplete.
 _MESSAGES = "SELECT timestamp, topic_id, data FROM messages NOT INDEXED"
 
@@ -359,7 +360,7 @@ def _mcap(file: BinaryIO, path: Path) -> Iterator[Sample]:
             name, at = _text(content, 2)
             types[struct.unpack_from("<H", content)[0]] = name
             encoding, at = _text(content, at)
-            if encoding == _MSG:
+            if encoding in _TEXT_ENCODINGS:
                 add_stored_definition(name, _text(content, at)[0])
         elif opcode == _CHANNEL:
             channel, schema = struct.unpack_from("<HH", content)
@@ -436,8 +437,9 @@ def _sqlite(path: Path) -> Iterator[Sample]:
     database.execute("PRAGMA writable_schema = ON")
     # Bags of Humble lack the table.
     for _ in database.execute(_DEFINITIONS_TABLE).fetchall():
-        for type_name, text in database.execute(_DEFINITIONS, (_MSG,)):
-            add_stored_definition(type_name, text)
+        for type_name, encoding, text in database.execute(_DEFINITIONS):
+            if encoding in _TEXT_ENCODINGS:
+                add_stored_definition(type_name, text)
     topics = {}
     for topic, name, type_name, serialization_format, qos_text in database.execute(_TOPICS):
         _check_format(path, name, serialization_format)
@@ -506,7 +508,9 @@ def read_bag(folder: str | Path) -> Recording:
     except Exception as error:
         for topic in _topics_in_metadata(bag_metadata(path)):
             _check_format(path, topic["name"], topic.get("serialization_format", _CDR))
-        return _read_files(path, _describe_damage(path, error))
+        # rosbags looks the encoding of each definition up, and does not know this one.
+        is_unknown_encoding = isinstance(error, KeyError) and error.args == (_TEXT_ENCODINGS[-1],)
+        return _read_files(path, "" if is_unknown_encoding else _describe_damage(path, error))
     if len(samples) < listed_count:
         sys.stderr.write(
             f"warning: The bag {path} is damaged: {format_count(listed_count, 'message')} should be "
@@ -604,8 +608,7 @@ def _samples(reader: "Reader") -> list[Sample]:
     # Connections of rosbag2 bags, whose ext has the QoS.
     connections: list[Any] = reader.connections
     for topic in connections:
-        if topic.msgdef.format.name == "MSG":
-            add_stored_definition(topic.msgtype, topic.msgdef.data)
+        add_stored_definition(topic.msgtype, topic.msgdef.data)
     qos_profiles = {topic.id: from_bag(topic.ext.offered_qos_profiles) for topic in connections}
     samples: list[Sample] = []
     for topic, stamp_ns, cdr in reader.messages():

@@ -25,7 +25,7 @@ from course_lib.ros.messages.definitions import (
     interfaces,
     type_names,
 )
-from course_lib.ros.messages.interface_files import PLACEHOLDER, kit_files
+from course_lib.ros.messages.interface_files import PARTS, PLACEHOLDER, kit_files
 from course_lib.ros.time.interrupts import until_interrupted
 from course_lib.tools.sources import Source, answer, is_hidden, own_node
 from course_lib.tools.verb import (
@@ -476,23 +476,41 @@ def _lines(name: str) -> list[str]:
     package, kind, _ = name.split("/")
     if (text := kit_files().get(f"{name}.{kind}")) is not None:
         return [line.rstrip() for line in text.splitlines()]
-    file = f"{kind}/**/{name.rpartition('/')[2]}.*"
+    file = f"{kind}/**/{name.rpartition('/')[2]}.{kind}"
     renamed = RENAMED[package].glob(file) if package in RENAMED else ()
     for path in (*renamed, *(path for folder in FOLDERS for path in folder.glob(f"{package}/{file}"))):
         return [line.rstrip() for line in path.read_text(encoding="utf-8").splitlines()]
+    # An .idl file is shown as the .msg file of the same type.
+    first, *others = (list(_lines_of_message(name + part)) for part in PARTS[kind])
+    return [*first, *(line for lines in others for line in ("---", *lines))]
+
+
+def _lines_of_message(name: str) -> Iterator[str]:
+    """Yield the lines of the .msg file that defines a message."""
     package_prefix = f"{name.split('/')[0]}/"
-    lines = [f"{base} {constant}={number}" for constant, base, number in field_definitions()[name][0]]
+    for constant, base, number in field_definitions()[name][0]:
+        yield f"{base} {constant}={number}"
     for field in (field for field in definition(name).fields if field.name != PLACEHOLDER):
         bound_text = f"<={field.string_bound}" if field.string_bound else ""
         max_text = f"<={field.size}" if field.size else ""
         size = {"scalar": "", "array": f"[{field.size}]", "sequence": f"[{max_text}]"}[field.container]
         default = DEFAULTS.get((name, field.name))
-        tail = "" if default is None else f" {default:g}" if default is not False else " false"
-        lines.append(
+        tail = "" if default is None else f" {_default_text(default)}"
+        yield (
             f"{field.base.replace('/msg/', '/').removeprefix(package_prefix)}{bound_text}{size} "
             f"{field.name}{tail}"
         )
-    return lines
+
+
+def _default_text(default: Any) -> str:
+    """Return a default value as it is written in a .msg file."""
+    if isinstance(default, list):
+        return f"[{', '.join(map(_default_text, default))}]"
+    if isinstance(default, bytes):
+        return str(default[0])
+    if isinstance(default, bool):
+        return str(default).lower()
+    return f"{default:g}" if isinstance(default, float) else repr(default)
 
 
 _ONLY: tuple[Option, ...] = tuple(

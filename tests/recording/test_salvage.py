@@ -348,6 +348,36 @@ float64 z
 """
 
 
+_STORED_IDL = f"""{"=" * 80}
+IDL: PACKAGE/msg/Report
+#include "std_msgs/msg/Header.idl"
+module PACKAGE {{
+  module msg {{
+    typedef PACKAGE::msg::Cell PACKAGE__msg__Cell__2[2];
+    module Report_Constants {{
+      const uint8 FAST = 1;
+    }};
+    struct Report {{
+      std_msgs::msg::Header header;
+      PACKAGE__msg__Cell__2 cells;
+      geometry_msgs::msg::Point center;
+      @default (value="unnamed")
+      string name;
+    }};
+  }};
+}};
+
+{"=" * 80}
+IDL: PACKAGE/msg/Cell
+module PACKAGE {{ module msg {{ struct Cell {{ sequence<double> values; boolean is_free; }}; }}; }};
+{"=" * 80}
+IDL: std_msgs/msg/Header
+module std_msgs {{ module msg {{
+  struct Header {{ builtin_interfaces::msg::Time stamp; string frame_id; }};
+}}; }};
+"""
+
+
 @pytest.fixture
 def type_definitions() -> Iterator[None]:
     """Remove the types that a test reads from its bags."""
@@ -369,14 +399,16 @@ def write_custom_type(folder: Path, type_name: str, text: str, cdr: bytes, stora
 @pytest.mark.usefixtures("type_definitions")
 @pytest.mark.parametrize("is_single_file", [False, True])
 @pytest.mark.parametrize("storage", [StoragePlugin.MCAP, StoragePlugin.SQLITE3])
+@pytest.mark.parametrize("form", ["msg", "idl"])
 def test_type_without_a_package_is_read_with_the_definition_in_the_bag(
-    tmp_path: Path, storage: StoragePlugin, is_single_file: bool
+    tmp_path: Path, form: str, storage: StoragePlugin, is_single_file: bool
 ) -> None:
-    package = f"stored_{storage.name.lower()}_{int(is_single_file)}_msgs"
-    text = _STORED_REPORT.replace("PACKAGE", package)
+    package = f"stored_{form}_{storage.name.lower()}_{int(is_single_file)}_msgs"
+    text = {"msg": _STORED_REPORT, "idl": _STORED_IDL}[form].replace("PACKAGE", package)
     name = f"{package}/msg/Report"
     store = get_typestore(Stores.ROS2_JAZZY)
-    store.register(get_types_from_msg(text.replace(' "unnamed"', ""), name))
+    types_text = _STORED_REPORT.replace("PACKAGE", package).replace(' "unnamed"', "")
+    store.register(get_types_from_msg(types_text, name))
     types = store.types
     cells = [types[f"{package}/msg/Cell"](np.array([1.0, 2.0]), flag) for flag in (True, False)]
     stamp = types["builtin_interfaces/msg/Time"](3, 4)
@@ -412,6 +444,7 @@ def test_type_without_a_package_is_read_with_the_definition_in_the_bag(
         ("digits", f"float64[{'9' * 5000}] x\n"),
         ("long", "float64 x\n" + "# comment\n" * 20_000),
         ("other", f"geometry_msgs/Point p\n{'=' * 80}\nMSG: geometry_msgs/Point\nfloat32 x\n"),
+        ("idl", f"{'=' * 80}\nIDL: refused_idl_msgs/msg/Thing\nstruct Thing {{ double x; }};\n"),
     ],
 )
 def test_unusable_definition_in_a_bag_leaves_its_type_unknown(tmp_path: Path, case: str, text: str) -> None:
@@ -422,3 +455,19 @@ def test_unusable_definition_in_a_bag_leaves_its_type_unknown(tmp_path: Path, ca
     with pytest.raises(CourseError, match=f"No message type '{name}' here: put the folder"):
         next(recording.messages("/report"))
     assert [field.base for field in definition("geometry_msgs/msg/Point").fields] == ["float64"] * 3
+
+
+@pytest.mark.usefixtures("type_definitions")
+@pytest.mark.parametrize("storage", [StoragePlugin.MCAP, StoragePlugin.SQLITE3])
+def test_bag_with_a_definition_of_unknown_encoding_is_read_without_a_warning(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], storage: StoragePlugin
+) -> None:
+    package = f"stored_srv_{storage.name.lower()}_msgs"
+    text = f"{'=' * 80}\nSRV: {package}/srv/Go\nfloat64 x\n---\nbool is_done\n"
+    cdr = serialize(message_class("std_srvs/srv/Trigger_Event")())
+    file = write_custom_type(tmp_path / "bag", f"{package}/srv/Go_Event", text, cdr, storage)
+    # As rosbag2 writes it for a service that names no other types.
+    file.write_bytes(file.read_bytes().replace(b"ros2msg", b"unknown"))
+    ((_, event),) = read_bag(tmp_path / "bag").messages("/report")
+    assert (event.request, event.response) == ([], [])
+    assert capsys.readouterr().err == ""

@@ -99,3 +99,22 @@ def test_custom_package_is_shown_with_its_comments(tmp_path: Path, monkeypatch: 
     assert output("package own_shown_msgs") == "own_shown_msgs/srv/Drive\n"
     for name in [name for name in typestore().fielddefs if name.startswith("own_shown_msgs")]:
         del typestore().fielddefs[name]
+
+
+def test_show_prints_an_idl_file_as_a_msg_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "shown_idl_msgs" / "msg" / "Report.idl"
+    file.parent.mkdir(parents=True)
+    fields = '@default (value="(1, 2)") sequence<long, 3> steps; string<5> name; std_msgs::msg::Empty one;'
+    constants = "module Report_Constants { const octet FAST = 1; };"
+    structs = f"{constants} struct Report {{ @default (value=TRUE) boolean is_free; {fields} }};"
+    file.write_text(f"module shown_idl_msgs {{ module msg {{ {structs} }}; }};")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert output("show shown_idl_msgs/msg/Report").splitlines() == [
+        "byte FAST=1",
+        "bool is_free true",
+        "int32[<=3] steps [1, 2]",
+        "string<=5 name",
+        "std_msgs/Empty one",
+    ]
+    for name in [name for name in type_names() if name.startswith("shown_idl_msgs")]:
+        del typestore().fielddefs[name]

@@ -17,7 +17,7 @@ import numpy as np
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.messages import interface_files
-from course_lib.ros.programs.packages import has_interfaces, packages
+from course_lib.ros.programs.packages import has_interfaces, interface_paths, listed_interfaces, packages
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
@@ -118,9 +118,8 @@ def add_package(folder: Path, name: str = "") -> None:
         RENAMED[package] = folder
     elif folder.parent not in FOLDERS:
         FOLDERS.append(folder.parent)
-    paths = sorted(path for kind in FIRST_PARTS for path in folder.glob(f"{kind}/**/*.{kind}"))
+    paths = _check_files(folder)
     for path in paths:
-        interface_files.check_interface(path)
         try:
             typestore().register(interface_files.read_interface(path, package))
         except TypesysError as error:
@@ -138,7 +137,8 @@ def add_package(folder: Path, name: str = "") -> None:
             if field.base == f"{package}/msg/wstring":
                 UNSUPPORTED.update(dict.fromkeys(types_by_file[file], f"{place}: {NO_WIDE_STRINGS}"))
             elif field.base not in definitions:
-                raise CourseError(f"{place}: No message type {field.base!r} here.")
+                unknown = f"No message type {field.base!r} here{_describe_unknown(field.base)}"
+                raise CourseError(f"{place}: {unknown}")
             used[file].add(field.base)
     # Types that contain an unsupported type, at any depth.
     count = -1
@@ -150,20 +150,37 @@ def add_package(folder: Path, name: str = "") -> None:
                     UNSUPPORTED.setdefault(name, reason)
 
 
+def _check_files(folder: Path) -> list[Path]:
+    """Return the interface files of a package.
+
+    Raises a CourseError for an invalid file, except for one that CMakeLists.txt does not list: a build
+    ignores it.
+    """
+    names, paths = listed_interfaces(folder), []
+    for path in sorted(path for kind in FIRST_PARTS for path in interface_paths(folder, kind)):
+        try:
+            interface_files.check_interface(path)
+            paths.append(path)
+        except CourseError:
+            if names is None or path.relative_to(folder).as_posix() in names:
+                raise
+    return paths
+
+
 # Limits on the definition of a type in a bag: its characters, and the values of a message in which
 # all sequences are empty.
 _MOST_STORED_CHARACTERS, _MOST_STORED_VALUES = 100_000, 1_000_000
 
 
 def add_stored_definition(type_name: str, text: str) -> None:
-    """Add a type that no package here defines, with the text in the format of .msg that a bag stores.
+    """Add a type that no package here defines, with its text in a bag, in the format of .msg or .idl.
 
     Known types stay as they are. The type stays unknown if the text is invalid, exceeds a limit, or
     defines a known type differently.
     """
     from rosbags.typesys import TypesysError
 
-    if len(text) > _MOST_STORED_CHARACTERS or _is_defined(type_name):
+    if not text or len(text) > _MOST_STORED_CHARACTERS or _is_defined(type_name):
         return
     stored, defaults = dict[str, Any](), dict[tuple[str, str], Any]()
     try:
@@ -182,7 +199,12 @@ def add_stored_definition(type_name: str, text: str) -> None:
     if any(stored[name][1] != definitions[name][1] for name in stored.keys() - new_types.keys()):
         return
     counts = dict[str, float]()
-    if _count_values(type_name, new_types, counts) > _MOST_STORED_VALUES:
+    # The event of a service contains its request and response, and is defined by the service.
+    service = type_name.removesuffix(EVENT_PART)
+    roots = (
+        [type_name] if type_name in new_types else [service + part for part in interface_files.SERVICE_PARTS]
+    )
+    if max(_count_values(root, new_types, counts) for root in roots) > _MOST_STORED_VALUES:
         return
     # Without rosbags' `register`, which executes code that it generates from the text.
     definitions.update({name: new_types[name] for name in counts})

@@ -1,4 +1,4 @@
-"""The types in .msg, .srv and .action files, in the format of rosbags' type store.
+"""The types in .msg, .srv, .action and .idl files, in the format of rosbags' type store.
 
 A service consists of two messages, ``std_srvs/srv/Trigger_Request`` and
 ``std_srvs/srv/Trigger_Response``; an action of three, plus those that rosidl adds for its services
@@ -13,6 +13,7 @@ small node takes to start. So the types of one version of rosbags and the parsed
 the kit are written to a table, `known_types.json`, when the kit is built or installed.
 """
 
+import ast
 import importlib.util
 import keyword
 import os
@@ -71,7 +72,7 @@ SERVICE_PARTS = ("_Request", "_Response")
 ACTION_PARTS = ("_Goal", "_Result", "_Feedback")
 # CDR has no empty struct, so a message without fields has one byte with this name.
 PLACEHOLDER = "structure_needs_at_least_one_member"
-_PARTS: Mapping[str, tuple[str, ...]] = {"msg": ("",), "srv": SERVICE_PARTS, "action": ACTION_PARTS}
+PARTS: Mapping[str, tuple[str, ...]] = {"msg": ("",), "srv": SERVICE_PARTS, "action": ACTION_PARTS}
 # From rosidl_adapter/parser.py: valid names of types and fields, and what may follow a field's
 # name.
 _TYPE_NAME = "[A-Z][A-Za-z0-9]*"
@@ -111,7 +112,7 @@ def read_interface(path: Path, package: str) -> dict[str, Any]:
 
 def read_defaults(path: Path, package: str) -> dict[tuple[str, str], Any]:
     """Read the default values of an interface file by type name and field. See `read_interface`."""
-    return parse_defaults(read_text(path), file_name(path, package))
+    return parse_defaults(read_text(path), file_name(path, package), path)
 
 
 def file_name(path: Path, package: str = "") -> str:
@@ -119,53 +120,74 @@ def file_name(path: Path, package: str = "") -> str:
 
     As in rosidl, folders below ``msg`` are not part of the name.
     """
-    return f"{package or path.parent.parent.name}/{path.suffix[1:]}/{path.name}"
+    folder = path.suffix[1:]
+    if folder == "idl":
+        folder = next((parent.name for parent in path.parents if parent.name in PARTS), "msg")
+    return f"{package or path.parent.parent.name}/{folder}/{path.name}"
 
 
 def parse_interface(text: str, file: str, path: Path | None = None) -> dict[str, Any]:
     """Parse the text of ``my_msgs/msg/Name.msg`` and return its messages by type name.
 
-    Raises a CourseError, with ``path`` if given, for a wrong number of parts.
+    Raises a CourseError, with ``path`` if given, for a wrong number of parts, and for an .idl file
+    that is invalid or does not define the type.
     """
     package, folder, name = file.rpartition(".")[0].split("/")
+    if file.endswith(".idl"):
+        types = _IdlReader(text, str(path or file)).types
+        for missing in [name for name in type_names_in(file) if name not in types][:1]:
+            if folder != "action" or not missing.endswith(tuple(_ACTION_TRANSPORT)):
+                raise CourseError(f"{path or file} does not define a struct for the type {missing}.")
+        return types | (_transport_types(package, name) if folder == "action" else {})
     pieces = re.split(r"^---[ \t]*\n?", text, flags=re.MULTILINE)
-    parts = _PARTS[folder]
+    parts = PARTS[folder]
     if len(pieces) != len(parts):
         raise CourseError(
             f"{path or file}: a .{folder} file has {len(parts)} parts with --- between them, "
             f"not {len(pieces)}."
         )
-    texts = dict(zip(parts, pieces, strict=True))
-    if folder == "action":
-        action_name = f"{package}/action/{name}"
-        texts |= {part: text.format(action=action_name) for part, text in _ACTION_TRANSPORT.items()}
-    return {f"{package}/{folder}/{name}{part}": _parse(text, package) for part, text in texts.items()}
+    texts = zip(parts, pieces, strict=True)
+    types = {f"{package}/{folder}/{name}{part}": _parse(text, package) for part, text in texts}
+    return types | (_transport_types(package, name) if folder == "action" else {})
+
+
+def _transport_types(package: str, action: str) -> dict[str, Any]:
+    """Return the messages that rosidl derives from the parts of an action."""
+    name = f"{package}/action/{action}"
+    return {
+        name + part: _parse(text.format(action=name), package) for part, text in _ACTION_TRANSPORT.items()
+    }
 
 
 def split_stored(type_name: str, text: str) -> dict[str, str]:
-    """Split the definition of a type that a bag stores into one text for each .msg file.
+    """Split the definition of a type that a bag stores into one text for each interface file.
 
-    Lines of = and `MSG: my_msgs/Name` precede each type that the first one refers to.
+    Lines of = and `MSG: my_msgs/Name` precede each type that the first one refers to. Definitions
+    in IDL, and those of services, also begin with such lines.
 
     Raises a CourseError for an invalid name.
     """
     first, *others = re.split(r"^={80}\n", text, flags=re.MULTILINE)
     files = {}
-    for part in (f"MSG: {type_name}\n{first}", *others):
+    for part in (f"MSG: {type_name}\n{first}", *others) if first.strip() or not others else others:
         heading, _, content = part.partition("\n")
-        match = re.fullmatch(rf"MSG: ([a-z][a-z0-9_]*)/(?:msg/)?({_TYPE_NAME})\s*", heading)
+        match = re.fullmatch(
+            rf"(MSG|IDL|SRV): ([a-z][a-z0-9_]*)/(?:(msg|srv|action)/)?({_TYPE_NAME})\s*", heading
+        )
         if match is None:
             raise CourseError(
                 f"The bag names a definition {heading!r:.100}, and not like 'MSG: my_msgs/Name'."
             )
-        files[f"{match[1]}/msg/{match[2]}.msg"] = content
+        suffix = match[1].lower()
+        folder = match[3] or ("srv" if suffix == "srv" else "msg")
+        files[f"{match[2]}/{folder}/{match[4]}.{suffix}"] = content
     return files
 
 
 def type_names_in(file: str) -> list[str]:
     """Return the types of the messages in a file ``my_msgs/msg/Name.msg`` without reading it."""
-    name, _, kind = file.rpartition(".")
-    parts = _PARTS[kind]
+    name, _, suffix = file.rpartition(".")
+    parts = PARTS[name.split("/")[1] if suffix == "idl" else suffix]
     return [name + part for part in (*parts, *(_ACTION_TRANSPORT if parts == ACTION_PARTS else ()))]
 
 
@@ -186,10 +208,12 @@ def _parse(text: str, package: str) -> Any:
     return definition
 
 
-def parse_defaults(text: str, file: str) -> dict[tuple[str, str], Any]:
+def parse_defaults(text: str, file: str, path: Path | None = None) -> dict[tuple[str, str], Any]:
     """Parse the default values in the text of ``my_msgs/msg/Name.msg``, by type name and field."""
+    if file.endswith(".idl"):
+        return _IdlReader(text, str(path or file)).defaults
     package, folder, name = file.rpartition(".")[0].split("/")
-    parts, defaults = iter(_PARTS[folder]), {}
+    parts, defaults = iter(PARTS[folder]), {}
     part = next(parts)
     for line in text.splitlines():
         field = _FIELD.fullmatch(line)
@@ -216,6 +240,9 @@ def check_lines(text: str, source: str) -> None:
     """Raise a CourseError for the first line of an interface that is invalid."""
     from rosbags.typesys import TypesysError
 
+    if source.endswith(".idl"):
+        _IdlReader(text, source)
+        return
     names = set[str]()
     for number, line in enumerate(text.splitlines(), start=1):
         field = _FIELD.fullmatch(line)
@@ -310,10 +337,269 @@ def _parse_scalar(kind: str, text: str) -> Any:
 
 def line_of_field(path: Path, name: str) -> int:
     """Return the line of a field in its file, or 0 for a field that rosidl adds."""
-    fields = map(_FIELD.fullmatch, read_text(path).splitlines())
+    text = read_text(path)
+    if path.suffix == ".idl":
+        return _IdlReader(text, str(path)).lines.get(name, 0)
+    fields = map(_FIELD.fullmatch, text.splitlines())
     return next(
         (number for number, field in enumerate(fields, start=1) if field and field["name"] == name), 0
     )
+
+
+# The types of IDL with their names in .msg files (rosidl_parser/grammar.lark).
+_IDL_TYPES = {
+    "short": "int16",
+    "unsigned short": "uint16",
+    "long": "int32",
+    "unsigned long": "uint32",
+    "long long": "int64",
+    "unsigned long long": "uint64",
+    "float": "float32",
+    "double": "float64",
+    "boolean": "bool",
+    "octet": "byte",
+    **{name: name for name in _INTEGERS if "int" in name},
+}
+_IDL_STRING = r'"(?:\\.|[^"\\])*"'
+# Comments and lines like #include are skipped. A number may have an exponent with a sign.
+_IDL_TOKEN = re.compile(
+    r"(?:\s|//[^\n]*|/\*.*?\*/|\#[^\n]*)*+"
+    rf"(?P<token>{_IDL_STRING}|::|[A-Za-z_]\w*|[-+]?\.?\d[\w.]*(?:(?<=[eE])[-+]\w+)?|[^\w\s]|$)",
+    re.DOTALL,
+)
+# How rosbags numbers the forms of a field's type: rosbags.interfaces.Nodetype.
+_IDL_BASE, _IDL_NAME, _IDL_ARRAY, _IDL_SEQUENCE = 1, 2, 3, 4
+
+
+class _IdlReader:
+    """Reads the types in an .idl file: modules, structs, typedefs, constants and default values.
+
+    Values are literals, as in rosidl, so that no text takes long to read.
+
+    Args:
+        text: The content of the file.
+        source: The name of the file for errors.
+
+    Attributes:
+        types: Constants and fields by type name, in rosbags' format.
+        defaults: Default values by type name and field.
+        lines: The line of each field.
+
+    Raises:
+        CourseError: The text is invalid, or contains a type that Python's messages lack.
+    """
+
+    def __init__(self, text: str, source: str) -> None:
+        self.types = dict[str, Any]()
+        self.defaults = dict[tuple[str, str], Any]()
+        self.lines = dict[str, int]()
+        self._text, self._source = text, source
+        # The end of the token that was taken last.
+        self._end = 0
+        self._typedefs = dict[str, Any]()
+        self._numbers = dict[str, int]()
+        self._constants = dict[str, list[tuple[str, str, Any]]]()
+        while self._peek():
+            self._read_definition(())
+        for name in self._constants.keys() & self.types.keys():
+            self.types[name][0].extend(self._constants[name])
+
+    def _match(self) -> re.Match[str]:
+        match = _IDL_TOKEN.match(self._text, self._end)
+        if match is None:
+            raise self._error(f"{self._text[self._end :].strip()[:1]!r} is not a character of IDL")
+        return match
+
+    def _peek(self) -> str:
+        return self._match()["token"]
+
+    def _take(self) -> str:
+        match = self._match()
+        self._end = match.end()
+        return match["token"]
+
+    def _skip(self, token: str) -> bool:
+        is_next = self._peek() == token
+        if is_next:
+            self._take()
+        return is_next
+
+    def _expect(self, token: str) -> None:
+        if not self._skip(token):
+            raise self._error(f"expected {token!r}, not {self._peek()!r}")
+
+    def _take_name(self) -> str:
+        name = self._take()
+        if not re.fullmatch(r"[A-Za-z_]\w*", name):
+            raise self._error(f"expected a name, not {name!r}")
+        return name
+
+    def _error(self, text: str) -> CourseError:
+        line = self._text.count("\n", 0, self._end) + 1
+        return CourseError(f"{self._source}, line {line}: {text}.")
+
+    def _read_definition(self, scope: tuple[str, ...]) -> None:
+        self._read_annotations()
+        word = self._take()
+        if word == "module" and len(scope) < 3:
+            inner = (*scope, self._take_name())
+            self._expect("{")
+            while not self._skip("}"):
+                self._read_definition(inner)
+        elif word == "struct":
+            self._read_struct(scope)
+        elif word == "typedef":
+            form = self._read_type(scope)
+            for name, form_of_name in self._read_declarators(form):
+                self._typedefs["/".join((*scope, name))] = form_of_name
+        elif word == "const":
+            self._read_constant(scope)
+        else:
+            raise self._error(f"expected a module, struct, typedef or const, not {word!r}")
+        self._expect(";")
+
+    def _read_annotations(self) -> list[str]:
+        """Skip annotations like `@key`. Return the tokens of the value in `@default (value=1)`."""
+        default = list[str]()
+        while self._skip("@"):
+            name = self._take_name()
+            tokens = list[str]()
+            if self._skip("("):
+                while (token := self._take()) != ")":
+                    if not token:
+                        raise self._error("expected ')'")
+                    tokens.append(token)
+            if name == "default" and tokens[:2] == ["value", "="]:
+                default = tokens[2:]
+        return default
+
+    def _read_struct(self, scope: tuple[str, ...]) -> None:
+        type_name = "/".join((*scope, self._take_name()))
+        fields = list[tuple[str, Any]]()
+        self._expect("{")
+        while not self._skip("}"):
+            default = self._read_annotations()
+            for name, form in self._read_declarators(self._read_type(scope)):
+                if keyword.iskeyword(name):
+                    raise self._error(f"{name!r} is a keyword of Python, so choose another name")
+                if any(name == other for other, _ in fields):
+                    raise self._error(f"the field {name!r} is already defined above")
+                fields.append((name, form))
+                self.lines[name] = self._text.count("\n", 0, self._end) + 1
+                if default:
+                    self.defaults[type_name, name] = self._parse_default(form, default)
+            self._expect(";")
+        self.types[type_name] = [], fields or [(PLACEHOLDER, (_IDL_BASE, ("uint8", 0)))]
+
+    def _read_declarators(self, form: Any) -> Iterator[tuple[str, Any]]:
+        """Yield names with their types: `a, b[3]`."""
+        while True:
+            name = self._take_name()
+            if self._skip("["):
+                if form[0] in (_IDL_ARRAY, _IDL_SEQUENCE):
+                    raise self._error("arrays of arrays and of sequences are not supported")
+                yield name, (_IDL_ARRAY, (form, self._read_size()))
+                self._expect("]")
+            else:
+                yield name, form
+            if not self._skip(","):
+                return
+
+    def _read_size(self) -> int:
+        token = self._take()
+        if token in self._numbers:
+            return self._numbers[token]
+        if not re.fullmatch(r"[1-9][0-9]{0,9}", token):
+            raise self._error(f"expected a size above 0, not {token!r:.50}")
+        return int(token)
+
+    def _read_type(self, scope: tuple[str, ...]) -> Any:
+        if self._skip("sequence"):
+            self._expect("<")
+            if self._peek() == "sequence":
+                raise self._error("sequences of sequences are not supported")
+            inner = self._read_type(scope)
+            if inner[0] in (_IDL_ARRAY, _IDL_SEQUENCE):
+                raise self._error("sequences of arrays and of sequences are not supported")
+            size = self._read_size() if self._skip(",") else 0
+            self._expect(">")
+            return _IDL_SEQUENCE, (inner, size)
+        if self._peek() in ("string", "wstring"):
+            word, bound = self._take(), 0
+            if self._skip("<"):
+                bound = self._read_size()
+                self._expect(">")
+            # In rosbags' format a wide string is a message, see `_parse`.
+            is_wide = word == "wstring"
+            return (_IDL_NAME, f"{scope[0]}/msg/wstring") if is_wide else (_IDL_BASE, (word, bound))
+        word = self._take_name()
+        while word.split()[-1] in ("unsigned", "long") and self._peek() in ("short", "long", "double"):
+            word += f" {self._take()}"
+        if word in _IDL_TYPES:
+            return _IDL_BASE, (_IDL_TYPES[word], 0)
+        words = [word]
+        while self._skip("::"):
+            words.append(self._take_name())
+        return self._resolve(words, scope)
+
+    def _resolve(self, words: list[str], scope: tuple[str, ...]) -> Any:
+        """Return the type of a name like `Point` or `geometry_msgs::msg::Point`."""
+        for depth in range(len(scope), -1, -1):
+            name = "/".join((*scope[:depth], *words))
+            if name in self._typedefs:
+                return self._typedefs[name]
+            if name in self.types:
+                return _IDL_NAME, name
+        if len(words) == 3 and words[1] in PARTS:
+            return _IDL_NAME, "/".join(words)
+        raise self._error(
+            f"{'::'.join(words)!r:.100} is not a type that messages can have, like double, "
+            "sequence<string> or my_msgs::msg::Name"
+        )
+
+    def _read_constant(self, scope: tuple[str, ...]) -> None:
+        """Read a constant. Those of a message are in a module like `Name_Constants`."""
+        form = self._read_type(scope)
+        name = self._take_name()
+        self._expect("=")
+        tokens = list[str]()
+        while self._peek() not in (";", ""):
+            tokens.append(self._take())
+        if form[0] == _IDL_BASE:
+            base, _ = form[1]
+            value = self._parse_value("uint8" if base == "byte" else base, tokens)
+            if base in _INTEGERS and 0 < value < 2**32:
+                self._numbers[name] = value
+            owner = "/".join(scope).removesuffix("_Constants")
+            self._constants.setdefault(owner, []).append((name, base, value))
+
+    def _parse_default(self, form: Any, tokens: list[str]) -> Any:
+        kind, detail = form
+        if kind == _IDL_BASE:
+            return self._parse_value(detail[0], tokens)
+        inner, size = detail if kind in (_IDL_ARRAY, _IDL_SEQUENCE) else (form, 0)
+        if inner[0] == _IDL_NAME:
+            # Messages have no default values, and wide strings are rejected later.
+            return None
+        # rosidl writes the values of an array into a string: "(1, 2)".
+        try:
+            values = list(ast.literal_eval(self._parse_value("string", tokens)))
+        except (ValueError, SyntaxError, TypeError, RecursionError, MemoryError):
+            raise self._error('expected default values like "(1, 2)"') from None
+        if size and (len(values) > size or (kind == _IDL_ARRAY and len(values) != size)):
+            raise self._error(f"{len(values)} default values are too many or too few for {size}")
+        return [self._parse_value(inner[1][0], [repr(value)]) for value in values]
+
+    def _parse_value(self, base: str, tokens: list[str]) -> Any:
+        """Convert a literal, or strings next to each other, to a value of a type."""
+        if base == "string" and all(re.fullmatch(_IDL_STRING, token) for token in tokens):
+            return "".join(_parse_scalar(base, token) for token in tokens)
+        text = "".join(tokens)
+        try:
+            # A number with a fixed point ends with d, or D.
+            return _parse_scalar(base, re.sub("[dD]$", "", text) if base.startswith("float") else text)
+        except ValueError:
+            raise self._error(f"{text!r:.100} is not a value of the type {base}") from None
 
 
 @cache

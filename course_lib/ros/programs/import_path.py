@@ -306,11 +306,14 @@ class _InterfaceTypesFinder(Loader):
             return spec
         if kind not in KINDS or "." in package:
             return None
+        # Here, because this method is called by each import.
+        from course_lib.ros.programs.packages import interface_paths
+
         for folder in _interface_folders(package, path or ()):
             if (
                 _has_types(package, kind)
                 if folder.parent == STANDIN
-                else any(folder.glob(f"{kind}/**/*.{kind}"))
+                else any(True for _ in interface_paths(folder, kind))
             ):
                 return spec_from_loader(name, cls(), origin=str(folder))
         return None

@@ -197,9 +197,35 @@ def name_of(manifest: Path) -> str | None:
     return name and name[1]
 
 
+def interface_paths(folder: Path, kind: str) -> Iterator[Path]:
+    """Yield the interface files of a package, of the kind msg, srv or action.
+
+    They are in the folder of this name, or in another folder if CMakeLists.txt lists them. An .idl
+    file next to a file of the same name was created from it by a build, so it is left out.
+    """
+    yield from folder.glob(f"{kind}/**/*.{kind}")
+    for path in folder.glob(f"{kind}/**/*.idl"):
+        if not path.with_suffix(f".{kind}").is_file():
+            yield path
+    for name in listed_interfaces(folder) or ():
+        if name.endswith(f".{kind}") and not name.startswith(f"{kind}/") and (folder / name).is_file():
+            yield folder / name
+
+
+def listed_interfaces(folder: Path) -> set[str] | None:
+    """Return the interface files that CMakeLists.txt lists, or None if it lists none or searches them."""
+    try:
+        text = read_text(folder / "CMakeLists.txt", errors="replace")
+    except OSError:
+        return None
+    text = re.sub("#.*", "", text)
+    names = set(re.findall(r"[\w./-]+\.(?:msg|srv|action|idl)\b", text))
+    return None if "rosidl_generate_interfaces" not in text or "GLOB" in text else names or None
+
+
 def has_interfaces(folder: Path) -> bool:
     """Return whether a folder has interface files in its msg, srv or action folder."""
-    return any(any(folder.glob(f"{kind}/**/*.{kind}")) for kind in ("msg", "srv", "action"))
+    return any(True for kind in ("msg", "srv", "action") for _ in interface_paths(folder, kind))
 
 
 def package_folder_of(path: Path) -> Path | None:

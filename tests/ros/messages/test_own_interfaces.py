@@ -1,6 +1,7 @@
 """Custom interfaces of a student, in a package folder next to the program."""
 
 import importlib
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -69,6 +70,29 @@ def test_folders_below_msg_are_not_part_of_a_type_name(folder: Path) -> None:
     file.write_text("uint8 STOP=2\nuint8 command")
     command = importlib.import_module(f"{folder.name}.msg").Command
     assert (command.STOP, type_names().count(f"{folder.name}/msg/Command")) == (2, 1)
+
+
+def list_in_cmake(folder: Path, *files: str) -> None:
+    names = " ".join(f'"{file}"' for file in files)
+    (folder / "CMakeLists.txt").write_text(f"rosidl_generate_interfaces(${{PROJECT_NAME}} {names})\n")
+
+
+def test_interface_in_another_folder_is_found_if_cmake_lists_it(folder: Path) -> None:
+    write(folder, Path_msg="Corner[] corners")
+    (folder / "msg_geo").mkdir()
+    (folder / "msg_geo" / "Corner.msg").write_text("float64 x")
+    list_in_cmake(folder, "msg/Path.msg", "msg_geo/Corner.msg")
+    module = importlib.import_module(f"{folder.name}.msg")
+    assert module.Path(corners=[module.Corner(x=1.0)]).corners[0].x == 1.0
+
+
+def test_malformed_interface_that_cmake_does_not_list_is_ignored(folder: Path) -> None:
+    write(folder, Range_msg="float64 width")
+    (folder / "msg" / "Range_Old.msg").write_text("float64 width")
+    with pytest.raises(CourseError, match="Range_Old"):
+        add_package(folder)
+    list_in_cmake(folder, "msg/Range.msg")
+    assert importlib.import_module(f"{folder.name}.msg").Range(width=2.0).width == 2.0
 
 
 @pytest.mark.parametrize("other", ["cmake/my_msgs-extras.cmake", "launch/bringup.launch", "cfg/Tuning.cfg"])
@@ -204,3 +228,106 @@ def test_only_using_a_type_with_a_wide_string_is_an_error(folder: Path, line: st
             getattr(module, name)
         assert name not in module.__all__
     assert set(types_of(folder.name)) >= {f"{folder.name}/msg/Angle", f"{folder.name}/srv/Turn"}
+
+
+_IDL = """
+#include "geometry_msgs/msg/Point.idl"
+// Written by hand.
+module PACKAGE {
+  module msg {
+    typedef double double__3[3];
+    module Report_Constants {
+      const octet FAST = 1;
+      const string NAME = "a" "b";
+      const unsigned long MOST = 4;
+    };
+    @verbatim (language="comment", text="Of a robot (1)")
+    struct Report {
+      @default (value=TRUE)
+      boolean is_free, is_late; /* a comment */
+      @unit (value="m")
+      double__3 width;
+      @default (value="(1, 2)")
+      sequence<short, MOST> steps;
+      sequence<geometry_msgs::msg::Point> points;
+      string<5> name[2];
+      unsigned long long countSteps;
+    };
+  };
+};
+"""
+
+
+def write_idl(folder: Path, text: str, kind: str = "msg") -> Path:
+    file = folder / kind / "Report.idl"
+    file.parent.mkdir(parents=True)
+    file.write_text(text.replace("PACKAGE", folder.name))
+    return file
+
+
+def test_types_in_idl_files_are_imported_with_constants_and_defaults(folder: Path) -> None:
+    write_idl(folder, _IDL)
+    report_class = importlib.import_module(f"{folder.name}.msg").Report
+    report = report_class(countSteps=3)
+    assert (report.FAST, report.NAME, report.is_free, report.is_late) == (b"\1", "ab", True, True)
+    assert (list(report.width), list(report.steps), report.name) == ([0.0] * 3, [1, 2], ["", ""])
+    assert report_class.get_fields_and_field_types() == {
+        "is_free": "boolean",
+        "is_late": "boolean",
+        "width": "double[3]",
+        "steps": "sequence<int16, 4>",
+        "points": "sequence<geometry_msgs/Point>",
+        "name": "string<5>[2]",
+        "countSteps": "uint64",
+    }
+    assert deserialize(serialize(report), report_class) == report
+
+
+def test_services_and_actions_in_idl_files_have_their_parts(folder: Path) -> None:
+    module = "module PACKAGE { module KIND { STRUCTS }; };"
+    structs = "struct Report_Request { long a; }; struct Report_Response { };"
+    write_idl(folder, module.replace("KIND", "srv").replace("STRUCTS", structs), "srv")
+    names = ("Goal", "Result", "Feedback")
+    structs = " ".join(f"struct Report_{name} {{ float {name.lower()}; }};" for name in names)
+    write_idl(folder, module.replace("KIND", "action").replace("STRUCTS", structs), "action")
+    request = importlib.import_module(f"{folder.name}.srv").Report.Request(a=2)
+    assert deserialize(serialize(request), type(request)) == request
+    assert importlib.import_module(f"{folder.name}.action").Report.Feedback(feedback=1.0).feedback == 1.0
+
+
+def test_idl_file_next_to_the_msg_file_it_was_built_from_is_ignored(folder: Path) -> None:
+    write(folder, Report_msg="float64 width")
+    (folder / "msg" / "Report.idl").write_text("anything")
+    assert importlib.import_module(f"{folder.name}.msg").Report(width=2.0).width == 2.0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "problem"),
+    [
+        ("};\n", "", 25, "expected a module, struct, typedef or const, not ''"),
+        ("short, MOST", "short, 0", 19, "expected a size above 0, not '0'"),
+        ("boolean is", "long double is", 15, "'long double' is not a type that messages can have, like"),
+        ("boolean is", "char is", 15, "'char' is not a type that messages can have, like double"),
+        ("sequence<short, MOST>", "sequence<sequence<short> >", 19, "sequences of sequences are not"),
+        ("name[2]", "name[2][3]", 21, "expected ';', not '['"),
+        ("is_late", "import", 15, "'import' is a keyword of Python, so choose another name"),
+        ("is_late", "is_free", 15, "the field 'is_free' is already defined above"),
+        ('"(1, 2)"', '"(1, x)"', 19, 'expected default values like "(1, 2)"'),
+        ('"(1, 2)"', '"(1, 2, 3, 4, 5)"', 19, "5 default values are too many or too few for 4"),
+        ("FAST = 1", "FAST = 300", 8, "'300' is not a value of the type uint8"),
+        ("typedef", "enum", 6, "expected a module, struct, typedef or const, not 'enum'"),
+        ("};\n", "\u00e9", 24, "'\u00e9' is not a character of IDL"),
+    ],
+)
+def test_malformed_idl_file_is_reported_with_its_line(
+    folder: Path, old: str, new: str, line: int, problem: str
+) -> None:
+    file = write_idl(folder, new.join(_IDL.rsplit(old, 1)))
+    with pytest.raises(CourseError, match=re.escape(f"{file}, line {line}: {problem}")):
+        importlib.import_module(f"{folder.name}.msg")
+
+
+def test_idl_file_without_the_struct_of_its_name_is_reported(folder: Path) -> None:
+    file = write_idl(folder, _IDL.replace("Report", "Other"))
+    with pytest.raises(CourseError, match=f"{file} does not define a struct for the type .*/msg/Report"):
+        importlib.import_module(f"{folder.name}.msg")
