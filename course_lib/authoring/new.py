@@ -2,6 +2,7 @@
 
 import base64
 import re
+import unicodedata
 from collections.abc import Iterator, Mapping
 from importlib import metadata
 from pathlib import Path
@@ -59,7 +60,7 @@ def new_week(week: str, title: str, course: Course) -> list[Path]:
         raise CourseError(
             f"{week} is already in {settings}: {known_weeks[week].title!r}. Choose another week"
         )
-    check_title(title)
+    title = check_title(title)
     new_files = dict(_week_files(week, title, course))
     # Equal files were written by a run that was interrupted before the entry in course.toml.
     there = [
@@ -76,16 +77,18 @@ def new_week(week: str, title: str, course: Course) -> list[Path]:
     return [*new_files, settings]
 
 
-def check_title(title: str) -> None:
-    """Check that a title is valid in a heading, in Python and in TOML.
+def check_title(title: str) -> str:
+    """Check that a title is valid in a heading, in Python and in TOML, and return it with composed letters.
 
     Raises:
         CourseError: The title is invalid. The message lists the permitted characters.
     """
+    title = unicodedata.normalize("NFC", title)
     if not FIT_TITLE.fullmatch(title):
         raise CourseError(
             f"the title {title!r}: expected 1 to 60 letters, digits, spaces or , . : ; ( ) ' ! ? + -"
         )
+    return title
 
 
 def unchanged_files(week: str, course: Course) -> list[Path]:
@@ -101,9 +104,20 @@ def unchanged_files(week: str, course: Course) -> list[Path]:
     return [path for path, data in template_files if path.is_file() and path.read_bytes() == data]
 
 
+# Letters of Latin alphabets that are more than a letter of ASCII with an accent.
+_LATIN = {"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "æ": "ae", "œ": "oe", "ø": "o", "ł": "l", "đ": "d"}
+
+
 def slug(title: str) -> str:
-    """Convert a title to a part of a file name, like "occupancy_maps"."""
-    return re.sub(r"\W+", "_", title.lower()).strip("_")
+    """Convert a title to a part of a file name, like "occupancy_maps".
+
+    Latin letters become letters of ASCII, "Feldrobotik Übung" gives "feldrobotik_uebung". A title in
+    another alphabet keeps its letters.
+    """
+    text = title.lower()
+    plain = unicodedata.normalize("NFKD", text.translate(str.maketrans(_LATIN)))
+    plain = "".join(letter for letter in plain if not unicodedata.combining(letter))
+    return re.sub(r"\W+", "_", plain if plain.isascii() else text).strip("_")
 
 
 def _values(week: str, title: str, course: Course) -> dict[str, object]:
@@ -186,7 +200,13 @@ def new_course(title: str, inside: Path) -> Path:
         CourseError: The title is invalid, or the folder exists already.
         OSError: The course cannot be written. Nothing of it is left then.
     """
-    check_title(title)
+    title = check_title(title)
+    if not re.fullmatch(r"[a-z0-9_]+", slug(title)):
+        raise CourseError(
+            f"the title {title!r}: expected Latin letters or digits, because the name of the course's "
+            "package is made from it, and pip accepts no others. Use such a title, and then write the "
+            "other one as title into exercises/course.toml"
+        )
     root = inside / slug(title)
     if root.exists():
         raise CourseError(f"{root} already exists: move it away, or choose another title")

@@ -13,6 +13,7 @@ import pytest
 
 from course_lib.authoring.new import new_course
 from course_lib.course.course_file import read_course_file
+from course_lib.errors import CourseError
 from tests.grading.autograder_layout import graded_upload
 
 ROOT = Path(__file__).parents[2]
@@ -127,6 +128,23 @@ def test_new_week_in_an_uninstalled_course_does_not_change_another_course(
         f"{other} is a course that is not installed; the installed one is {project}. Run here: pip" in output
     )
     assert not list(project.rglob("*week02*"))
+
+
+@pytest.mark.parametrize("title", ["Feldrobotik Übung", "Feldrobotik U\u0308bung", "Fêldrøbotïk & Uebung!"])
+def test_accents_of_a_title_are_left_out_of_the_names_of_package_and_folder(
+    tmp_path: Path, title: str
+) -> None:
+    root = new_course(title.replace(" &", ""), tmp_path)
+    assert root.name == "feldrobotik_uebung"
+    text = (root / "pyproject.toml").read_text(encoding="utf-8")
+    assert 'name = "feldrobotik-uebung"' in text
+    assert text.replace("…", "").isascii()
+
+
+def test_course_title_without_latin_letters_is_rejected_with_a_way_out(tmp_path: Path) -> None:
+    with pytest.raises(CourseError, match=r"pip accepts no others\. Use such a title, and then write"):
+        new_course("机器人", tmp_path)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_new_course_depends_on_the_kit_and_lists_its_weeks(project: Path) -> None:

@@ -468,6 +468,7 @@ def test_bag_with_a_definition_of_unknown_encoding_is_read_without_a_warning(
     file = write_custom_type(tmp_path / "bag", f"{package}/srv/Go_Event", text, cdr, storage)
     # As rosbag2 writes it for a service that names no other types.
     file.write_bytes(file.read_bytes().replace(b"ros2msg", b"unknown"))
+    event: Any
     ((_, event),) = read_bag(tmp_path / "bag").messages("/report")
     assert (event.request, event.response) == ([], [])
     assert capsys.readouterr().err == ""
