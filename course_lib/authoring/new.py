@@ -105,7 +105,9 @@ def unchanged_files(week: str, course: Course) -> list[Path]:
 
 
 # Letters of Latin alphabets that are more than a letter of ASCII with an accent.
-_LATIN = {"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "æ": "ae", "œ": "oe", "ø": "o", "ł": "l", "đ": "d"}
+_LATIN = str.maketrans(
+    {"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "æ": "ae", "œ": "oe", "ø": "o", "ł": "l", "đ": "d"}
+)
 
 
 def slug(title: str) -> str:
@@ -115,7 +117,7 @@ def slug(title: str) -> str:
     another alphabet keeps its letters.
     """
     text = title.lower()
-    plain = unicodedata.normalize("NFKD", text.translate(str.maketrans(_LATIN)))
+    plain = unicodedata.normalize("NFKD", text.translate(_LATIN))
     plain = "".join(letter for letter in plain if not unicodedata.combining(letter))
     return re.sub(r"\W+", "_", plain if plain.isascii() else text).strip("_")
 
