@@ -14,6 +14,7 @@ what it depends on. An existing record with the right digest is not computed aga
 
 import os
 import platform
+import re
 import shutil
 import signal
 import sys
@@ -560,9 +561,8 @@ def _finish(
     zone = catalog.course.zone
     with store.writing(out):
         compare_class(found_submissions, out, work.course.exercises, zone, catalog.tasks.values())
-    for last in (attempts.submissions[-1] for attempts in work.line):
-        for note in last.notes:
-            say(f"{last.student}  {last.exercise}  note: {note}")
+    for line in _note_lines([attempts.submissions[-1] for attempts in work.line]):
+        say(line)
     with store.writing(out):
         marked_results = write_tables(out, zone)
     results = [result.result for result in marked_results]
@@ -578,6 +578,26 @@ def _finish(
     for line in missing_file_lines(results, found_submissions, *work.course.private_folders):
         say(line)
     say(f"Wrote {out / 'gradebook.csv'} and {out / 'reports/index.html'}")
+
+
+# Number of submissions that are named with the same kind of note.
+_MOST_NAMED = 5
+
+
+def _note_lines(submissions: Sequence[Submission]) -> Iterator[str]:
+    """Yield the notes on submissions. A kind of note that many have is shown for the first ones only."""
+    lines: dict[str, list[str]] = {}
+    for submission in submissions:
+        for note in submission.notes:
+            # Notes of a kind differ in what follows, like the names of other students.
+            kind = re.split(":| of ", note, maxsplit=1)[0]
+            line = f"{submission.student}  {submission.exercise}  note: {note}"
+            lines.setdefault(kind, []).append(line)
+    for kind, lines_of_kind in lines.items():
+        yield from lines_of_kind[:_MOST_NAMED]
+        if len(lines_of_kind) > _MOST_NAMED:
+            count = format_count(len(lines_of_kind) - _MOST_NAMED, "other submission")
+            yield f"note of {count}: {kind}. reports/index.html has all notes"
 
 
 def _task_lines(results: Iterable[Result]) -> list[str]:

@@ -209,7 +209,7 @@ REFUSED = {
     "bad.zip": (b"PK\x03\x04 broken", "bad.zip: it is not a readable zip file"),
     "empty.ipynb": (b"", "empty.ipynb is not a notebook: it is empty"),
     "lamp.rviz": (b"1", "lamp.rviz: a file without a notebook"),
-    "big.ipynb": (b'{"a": "' + b"x" * MAX_BYTES + b'"}', "more than 20000000 bytes without its outputs"),
+    "big.ipynb": (b'{"a": "' + b"x" * MAX_BYTES + b'"}', "more than 20,000,000 bytes without its outputs"),
     "config.json": (b"{}", "config.json: unsupported file type; expected one of"),
 }  # fmt: skip
 

@@ -177,21 +177,21 @@ def many(count: int) -> bytes:
 
 
 HOSTILE: dict[str, tuple[Bytes, str]] = {
-    "slip": ({f"ada/../../{NAME}": b""}, "its path leads elsewhere"),
-    "absolute": ({f"/etc/{NAME}": b""}, "its path leads elsewhere"),
-    "drive": ({f"C:/{NAME}": b""}, "its path leads elsewhere"),
-    "backslash": ({f"ada\\..\\{NAME}": b""}, "its path leads elsewhere"),
+    "slip": ({f"ada/../../{NAME}": b""}, "its path leads out of the folder"),
+    "absolute": ({f"/etc/{NAME}": b""}, "its path leads out of the folder"),
+    "drive": ({f"C:/{NAME}": b""}, "its path leads out of the folder"),
+    "backslash": ({f"ada\\..\\{NAME}": b""}, "its path leads out of the folder"),
     "control": ({f"ada/\x1b[31m{NAME}": b""}, "the invisible character U+001B. Rename the file"),
     "right to left": ({f"ada/\u202e{NAME}": b""}, "the invisible character U+202E. Rename the file"),
     "long": ({f"ada/{'w' * 300}.ipynb": b""}, "its name is longer than"),
     "link": ({special(f"ada/{NAME}", stat.S_IFLNK | 0o777): b"/etc/passwd"}, "it is a link or a device"),
     "device": ({special(f"ada/{NAME}", stat.S_IFCHR | 0o777): b""}, "it is a link or a device"),
-    "bomb": ({f"ada/{NAME}": b" " * 50_000_000}, "it has more than 20000000 bytes"),
+    "bomb": ({f"ada/{NAME}": b" " * 50_000_000}, "it has more than 20,000,000 bytes"),
     "many": ({"ada/a.zip": many(1001)}, "1001 files"),
     "deep": ({"ada/a.zip": zipped({"b.zip": zipped({"c.zip": zipped({"d.zip": many(1)})})})}, "too deep"),
     "broken zip": ({"ada/a.zip": b"PK\x03\x04 broken"}, "is not a readable zip file"),
     "kind": ({"ada/virus.exe": b""}, "unsupported file type; expected one of .ipynb"),
-    "folder": ({f"../{NAME}": b""}, "its path leads elsewhere"),
+    "folder": ({f"../{NAME}": b""}, "its path leads out of the folder"),
     "odd folder": ({f"a b;rm/{NAME}": b""}, "is not a student ID"),
 }
 
@@ -275,7 +275,7 @@ def test_nested_archive_exceeding_the_size_limit_is_not_unpacked_further(
     collection = sort(
         {"ada/a.zip": zipped({f"{n}.py": b"#" * 250 for n in range(9)}), f"zoe/{NAME}": notebook()}
     )
-    assert "more than 1000 bytes" in collection.refused[0]
+    assert "more than 1,000 bytes" in collection.refused[0]
     assert len(collection.refused) == 1
     assert "ada/4.py" not in collected_files(tmp_path / "out")
     assert f"zoe/{NAME}" in collected_files(tmp_path / "out")
@@ -348,7 +348,7 @@ def test_backslashes_in_a_student_archive_do_not_lead_elsewhere(tmp_path: Path, 
     collection = collect(tmp_path / "in", tmp_path / "out", AMMAN)
     assert (collection.count, [line.split(": ")[-1] for line in collection.refused]) == (
         0,
-        ["its path leads elsewhere"],
+        ["its path leads out of the folder"],
     )
 
 

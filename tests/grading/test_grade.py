@@ -138,6 +138,23 @@ def test_student_id_mismatch_in_a_file_is_reported_to_staff(
     assert expected in capsys.readouterr().out
 
 
+def test_note_that_many_submissions_have_is_printed_for_the_first_ones_only(
+    course: Course,
+    right: str,
+    hand_in: Callable[..., Path],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    submissions = hand_in(dict.fromkeys("abcdefg", right))
+    for name in "abcdefg":
+        file = next((submissions / name).rglob("*.ipynb"))
+        file.write_bytes(next((submissions / "a").rglob("*.ipynb")).read_bytes())
+    grade(submissions, tmp_path / "out", jobs=1, course=course)
+    lines = [line for line in capsys.readouterr().out.splitlines() if "the same file as" in line]
+    assert [line[0] for line in lines[:-1]] == list("abcde")
+    assert lines[-1] == "note of 2 other submissions: the same file as that. reports/index.html has all notes"
+
+
 def test_each_late_day_reduces_the_mark_by_ten_percent(
     course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
 ) -> None:

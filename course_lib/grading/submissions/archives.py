@@ -243,7 +243,7 @@ class ReceivedFileReader:
         if len(data) > remaining_bytes or self._files[owner] > MAX_UNPACKED_FILES:
             self._exhausted_owners.add(owner)
             raise CourseError(
-                f"all archives of {owner} together unpack to more than {MAX_UNPACKED_BYTES} bytes "
+                f"all archives of {owner} together unpack to more than {MAX_UNPACKED_BYTES:,} bytes "
                 f"or {MAX_UNPACKED_FILES} files: this file and all later ones of {owner} are "
                 "skipped"
             )
@@ -256,7 +256,7 @@ class ReceivedFileReader:
         content = without_outputs(data) if len(data) <= _limit(parts) else data
         if len(content) <= MAX_BYTES:
             return content
-        self.refuse("/".join(parts), f"it has more than {MAX_BYTES} bytes{_size_advice(parts, data)}")
+        self.refuse("/".join(parts), f"it has more than {MAX_BYTES:,} bytes{_size_advice(parts, data)}")
         return None
 
 
@@ -337,7 +337,7 @@ def path_problem(parts: tuple[str, ...]) -> str:
         return f"its path is longer than {MAX_PATH} bytes"
     for part in parts:
         if part in ("", ".", "..") or "\\" in part or (len(part) > 1 and part[1] == ":"):
-            return "its path leads elsewhere"
+            return "its path leads out of the folder"
         if hidden := next((character for character in part if not character.isprintable()), ""):
             return f"its name contains the invisible character U+{ord(hidden):04X}. Rename the file"
         if len(part.encode("utf-8", "replace")) > MAX_NAME:

@@ -68,7 +68,7 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
     if MAX_BYTES < len(data) <= MAX_WITH_OUTPUTS:
         data = without_outputs(data)
     if len(data) > MAX_BYTES:
-        raise CourseError(f"{name} has more than {MAX_BYTES} bytes. Clear its outputs and save it.")
+        raise CourseError(f"{name} has more than {MAX_BYTES:,} bytes. Clear its outputs and save it.")
     try:
         content = read_json(data)  # in UTF-8, 16 or 32
     except ValueError as error:

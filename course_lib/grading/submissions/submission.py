@@ -328,7 +328,7 @@ def read_packed_zip(data: bytes, name: str) -> tuple[bytes, Mapping[str, Any]]:
     """
     try:
         if len(data) > 2 * MAX_BYTES:
-            raise ValueError(f"it has more than {2 * MAX_BYTES} bytes")
+            raise ValueError(f"it has more than {2 * MAX_BYTES:,} bytes")
         with open_zip(data) as archive:
             receipt = read_json(_member(archive, RECEIPT, MAX_BYTES))
             return _member(archive, f"{receipt['exercise']}.ipynb", MAX_WITH_OUTPUTS), receipt
