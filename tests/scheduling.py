@@ -13,9 +13,8 @@ from typing import Any, Literal
 import pytest
 from xdist.scheduler import LoadFileScheduling  # type: ignore[import-untyped]  # ships no types
 
-# Tests that wait for links and processes, and notebooks that watch nodes, take less than half a
-# processor.
-WAITING = ("notebooks/", "solutions/", "tests/gateway/", "tests/real/", "tests/ros/dds/", "tests/ros/zenoh/")
+# Tests that wait for links and processes take a quarter of a processor.
+WAITING = ("tests/gateway/", "tests/real/", "tests/ros/dds/", "tests/ros/zenoh/")
 BROWSER = "tests/browser/"
 # The longest files, first those that take minutes. If one of them began last, the other workers
 # would wait for its end.
@@ -23,20 +22,26 @@ LONGEST = (
     "tests/browser/test_lessons.py",
     "tests/notebooks/test_answers.py",
     "tests/browser/test_hub.py",
-    "tests/golden/test_golden.py",
+    "tests/browser/test_night.py",
+    "tests/browser/test_many_views.py",
+    "tests/browser/test_lesson_one.py",
     "tests/notebooks/test_resumed_lessons.py",
     "tests/authoring/test_new_course.py",
-    "tests/browser/test_lesson_one.py",
+    "tests/browser/test_marking.py",
     "tests/mistakes/test_mistakes.py",
     "tests/browser/test_book.py",
     "tests/ros/test_public_kinds.py",
     "tests/authoring/test_guide.py",
     "tests/browser/test_beside.py",
     "tests/authoring/test_flaws.py",
+    # It needs the results of test_answers.py: two workers that began both files together would
+    # wait for each other's results in turn.
+    "tests/golden/test_golden.py",
 )
 Kind = Literal["browser", "busy", "waiting"]
 # The kinds that the workers run first, and again from the fifth one on. The fourth one runs what
-# the processors have time for while browsers and networks wait.
+# the processors have time for while browsers and networks wait; two of five drive browsers, whose
+# files take almost half of all processor time.
 FIRST: tuple[Kind, ...] = ("browser", "busy", "waiting", "busy")
 # What a worker takes that has no files of its kind left. A browser and a JupyterLab would be
 # started for it.

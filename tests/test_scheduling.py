@@ -65,6 +65,7 @@ def order(pytestconfig: pytest.Config, monkeypatch: pytest.MonkeyPatch) -> Order
         (2, ["bcdike", "aghjlf"]),
         (3, ["bcdj", "aghk", "efil"]),
         (4, ["bcd", "ahj", "efk", "gil"]),
+        (5, ["bdk", "ahl", "ef", "gi", "cj"]),
     ],
 )
 def test_each_worker_starts_with_files_of_one_kind_and_helps_the_others_afterwards(
@@ -78,6 +79,11 @@ def test_longest_files_of_each_kind_start_first(kind: str, order: Order) -> None
     (files,) = order([*FILES, *reversed(LONGEST)], 1)
     expected = [file for file in LONGEST if kind_of(file) == kind]
     assert [file for file in files if kind_of(file) == kind][: len(expected)] == expected
+
+
+def test_golden_outputs_follow_the_answers_whose_results_they_share() -> None:
+    busy = [file for file in LONGEST if kind_of(file) == "busy"]
+    assert (busy[0], busy[-1]) == ("tests/notebooks/test_answers.py", "tests/golden/test_golden.py")
 
 
 @pytest.mark.parametrize("folder", WAITING)
