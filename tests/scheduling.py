@@ -25,7 +25,6 @@ LONGEST = (
     "tests/browser/test_night.py",
     "tests/browser/test_many_views.py",
     "tests/browser/test_lesson_one.py",
-    "tests/notebooks/test_resumed_lessons.py",
     "tests/authoring/test_new_course.py",
     "tests/browser/test_marking.py",
     "tests/mistakes/test_mistakes.py",

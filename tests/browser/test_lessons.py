@@ -13,7 +13,7 @@ from playwright.sync_api import Locator
 from course_lib.course.state import exercises_dir, lessons
 from tests.browser.jupyterlab import Lab, Notebook, count_pixels, opened, view_of
 from tests.browser.waiting import A_FRAME, wait_until
-from tests.tools.test_resume import FIRST_PLACE, code_cells, unexpected_failures
+from tests.tools.test_resume import code_cells, places_of, unexpected_failures
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 LESSONS = [path for path in lessons() if path.name >= "week02"]
@@ -50,9 +50,11 @@ def lesson(request: pytest.FixtureRequest, notebook: Notebook) -> Lesson:
 def views(notebook: Notebook) -> Iterator[int]:
     """Go through a lesson cell by cell, and look at each view while its nodes still run.
 
-    A new kernel resumes it at its first place to stop.
+    A new kernel resumes it at its last place to stop.
     """
-    cells = notebook.run_to_each("viewer", "viewer.beside()", restart_before=FIRST_PLACE)
+    codes = code_cells(notebook.folder / notebook.name)
+    place = codes[places_of(codes)[-1]]["id"]
+    cells = notebook.run_to_each("viewer", "viewer.beside()", restart_before=place)
     for number, cell in enumerate(cells):
         view = view_of(cell)
         view.scroll_into_view_if_needed()
@@ -81,7 +83,7 @@ def test_cells_of_each_lesson_run_without_errors_one_by_one(lesson: Lesson) -> N
     assert lesson.notebook.errors() == []  # nbmake runs all cells without pauses
 
 
-def test_each_lesson_resumes_at_its_first_stopping_point_after_a_kernel_restart(lesson: Lesson) -> None:
+def test_each_lesson_resumes_at_its_last_stopping_point_after_a_kernel_restart(lesson: Lesson) -> None:
     text = "\n".join("".join(output.get("text", "")) for output in lesson.notebook.outputs())
     (printed,) = re.findall(r"^Ran \d+ cells above\. Continue below\.\n(?:.+\n)*", text, re.MULTILINE)
     assert unexpected_failures(printed, code_cells(lesson.notebook.folder / lesson.notebook.name)) == []

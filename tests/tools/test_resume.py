@@ -17,7 +17,7 @@ from course_lib.tools.resume import resume
 from tests.patience import PATIENCE
 
 LESSONS = [path for path in lessons() if path.stem >= "week01"]
-FIRST_PLACE = "go-on-here"  # the id of the cell
+PLACE = "go-on-here"  # the beginning of the ids of the cells
 CELLS = (
     "%load_ext course_lib\nfrom course_lib import resume, run_live, predict\nimport rclpy\nrclpy.init()",
     "print('seen'); size = 1",
@@ -33,6 +33,11 @@ CELLS = (
 def code_cells(path: Path) -> list[dict[str, Any]]:
     """Return the code cells of a notebook."""
     return [cell for cell in json.loads(path.read_text("utf-8"))["cells"] if cell["cell_type"] == "code"]
+
+
+def places_of(cells: list[dict[str, Any]]) -> list[int]:
+    """Return the indices of the cells at which a lesson is resumed."""
+    return [index for index, cell in enumerate(cells) if cell["id"].startswith(PLACE)]
 
 
 def may_raise(cell: dict[str, Any]) -> bool:
@@ -186,6 +191,33 @@ def test_cell_missing_in_the_saved_notebook_is_reported(notebook: Path) -> None:
 def test_resume_without_a_server_has_no_effect(capsys: pytest.CaptureFixture[str]) -> None:
     resume()
     assert capsys.readouterr().out == ""
+
+
+# tests/browser/test_lessons.py resumes all other lessons at their last place.
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [0, -1], ids=["first", "last"])
+def test_lesson_one_resumes_from_its_stopping_points_in_a_new_kernel(
+    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COURSE_PACE", "fast")
+    (tmp_path / ".course").mkdir()
+    path = tmp_path / LESSONS[0].name
+    path.write_text(LESSONS[0].read_text("utf-8"), "utf-8")
+    with kernel_of(path) as kernel:
+        places = places_of(kernel.cells)
+        place = places[number]
+        printed, error = kernel.run(place)
+        assert (printed.splitlines()[0].startswith("Ran "), error) == (True, "")
+        assert unexpected_failures(printed, kernel.cells) == []
+        # Cells below the last place are run after it was resumed there; nbmake runs them after the
+        # cells above.
+        end = len(kernel.cells) if number == -1 else places[-1] + 1
+        faults = {
+            cell["id"]: fault
+            for index, cell in enumerate(kernel.cells[place + 1 : end], place + 1)
+            if not may_raise(cell) and (fault := kernel.run(index)[1])
+        }
+        assert faults == {}
 
 
 def minutes_of(cell: dict[str, Any]) -> int:
