@@ -2,10 +2,9 @@
 
 from bisect import bisect_right
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from math import acos, inf, isnan, sin, sqrt
 from operator import attrgetter
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -45,8 +44,7 @@ for _error in (TransformException, *TransformException.__subclasses__()):
     _error.__module__ = "tf2"
 
 
-@dataclass(frozen=True, slots=True)
-class Transform:
+class Transform(NamedTuple):
     """The transform from a child frame to its parent frame.
 
     The stamp is in [ns], the translation in [m], the rotation a quaternion (x, y, z, w).
@@ -90,21 +88,28 @@ def interpolate(older: Transform, newer: Transform, time_ns: int) -> Transform:
     if older.stamp_ns == newer.stamp_ns:
         return newer
     ratio = (time_ns - older.stamp_ns) / (newer.stamp_ns - older.stamp_ns)
-    x, y, z = (a + ratio * (b - a) for a, b in zip(older.translation, newer.translation, strict=True))
+    (ax, ay, az), (bx, by, bz) = older.translation, newer.translation
+    translation = (ax + ratio * (bx - ax), ay + ratio * (by - ay), az + ratio * (bz - az))
     rotation = slerp(older.rotation, newer.rotation, ratio)
-    return Transform(older.parent, older.child, time_ns, (x, y, z), rotation)
+    return Transform(older.parent, older.child, time_ns, translation, rotation)
 
 
 def slerp(start: Quaternion, end: Quaternion, ratio: float) -> Quaternion:
     """Interpolate between two unit quaternions (x, y, z, w) along the shorter arc."""
-    dot = sum(a * b for a, b in zip(start, end, strict=True))
+    (ax, ay, az, aw), (bx, by, bz, bw) = start, end
+    dot = ax * bx + ay * by + az * bz + aw * bw
     theta = acos(min(abs(dot), 1.0))
     if theta == 0.0:
         return start
-    of_start = sin((1.0 - ratio) * theta) / sin(theta)
-    of_end = sin(ratio * theta) / sin(theta) * (-1.0 if dot < 0 else 1.0)
-    x, y, z, w = (a * of_start + b * of_end for a, b in zip(start, end, strict=True))
-    return (x, y, z, w)
+    sin_theta = sin(theta)
+    of_start = sin((1.0 - ratio) * theta) / sin_theta
+    of_end = sin(ratio * theta) / sin_theta * (-1.0 if dot < 0 else 1.0)
+    return (
+        ax * of_start + bx * of_end,
+        ay * of_start + by * of_end,
+        az * of_start + bz * of_end,
+        aw * of_start + bw * of_end,
+    )
 
 
 def compose(outer: Pose, inner: Pose) -> Pose:
@@ -158,7 +163,7 @@ class StaticCache:
     """A single transform that is valid at any time."""
 
     def __init__(self, transform: Transform) -> None:
-        self._transform = replace(transform, stamp_ns=0)
+        self._transform = transform._replace(stamp_ns=0)
 
     def transform_at(self, time_ns: int) -> Transform:
         """Return the transform, which is valid at any time."""
@@ -208,11 +213,15 @@ class TimeCache:
             NoDataError: The time is outside of the stored range.
         """
         transforms = self._transforms
-        if transforms and time_ns in (0, transforms[-1].stamp_ns):
-            return transforms[-1]
-        if transforms and time_ns == transforms[0].stamp_ns:
-            return transforms[0]
-        self._check_time(time_ns)
+        if not transforms:
+            raise _no_data(time_ns, transforms)
+        oldest, newest = transforms[0], transforms[-1]
+        if time_ns in (0, newest.stamp_ns):
+            return newest
+        if time_ns == oldest.stamp_ns:
+            return oldest
+        if not oldest.stamp_ns < time_ns < newest.stamp_ns:
+            raise _no_data(time_ns, transforms)
         index = self._count_until(time_ns)
         older, newer = transforms[index - 1], transforms[index]
         return interpolate(older, newer, time_ns) if older.parent == newer.parent else older
@@ -230,21 +239,21 @@ class TimeCache:
         """Return the number of transforms that are not newer than a time."""
         return bisect_right(self._transforms, time_ns, key=attrgetter("stamp_ns"))
 
-    def _check_time(self, time_ns: int) -> None:
-        requested = format_stamp(time_ns)
-        if len(self._transforms) < 2:
-            only = format_stamp(self._transforms[0].stamp_ns if self._transforms else 0)
-            raise NoDataError(
-                f"Lookup would require extrapolation at time {requested}, but only time {only} is "
-                "in the buffer"
-            )
-        edges = ("future", "latest", self._transforms[-1]), ("past", "earliest", self._transforms[0])
-        direction, edge, nearest = edges[time_ns < self._transforms[0].stamp_ns]
-        if not self._transforms[0].stamp_ns < time_ns < self._transforms[-1].stamp_ns:
-            raise NoDataError(
-                f"Lookup would require extrapolation into the {direction}.  Requested time "
-                f"{requested} but the {edge} data is at time {format_stamp(nearest.stamp_ns)}"
-            )
+
+def _no_data(time_ns: int, transforms: list[Transform]) -> NoDataError:
+    """Return the error of a lookup at a time outside of the stored range."""
+    requested = format_stamp(time_ns)
+    if len(transforms) < 2:
+        only = format_stamp(transforms[0].stamp_ns if transforms else 0)
+        return NoDataError(
+            f"Lookup would require extrapolation at time {requested}, but only time {only} is in the buffer"
+        )
+    edges = ("future", "latest", transforms[-1]), ("past", "earliest", transforms[0])
+    direction, edge, nearest = edges[time_ns < transforms[0].stamp_ns]
+    return NoDataError(
+        f"Lookup would require extrapolation into the {direction}.  Requested time "
+        f"{requested} but the {edge} data is at time {format_stamp(nearest.stamp_ns)}"
+    )
 
 
 def rejection_messages(

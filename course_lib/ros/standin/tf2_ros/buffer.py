@@ -107,7 +107,8 @@ class Buffer(BufferInterface):
         """
         _check_timeout(timeout)
         query = _check_text(target_frame, 1), _check_text(source_frame, 2), _ns(time)
-        problem = self._wait(lambda: self._core.can_transform(*query), timeout)
+        self._wait(lambda: self._core.can_transform(*query), timeout)
+        problem = self._core.can_transform(*query)
         time_lock.poll()
         answer = int(problem is None)
         return (answer, problem or "") if return_debug_tuple else answer
@@ -173,8 +174,8 @@ class Buffer(BufferInterface):
             self._new_data_callbacks.remove(callback)
         self._callbacks_to_remove.clear()
 
-    def _wait(self, ask: Callable[[], str | None], timeout: Duration) -> str | None:
-        """Wait until `ask()` reports no problem, and return its last result.
+    def _wait(self, ask: Callable[[], str | None], timeout: Duration) -> None:
+        """Wait until `ask()` reports no problem, at most for the timeout.
 
         In a notebook cell, live nodes run during the wait.
         """
@@ -191,7 +192,6 @@ class Buffer(BufferInterface):
                 with time_lock.hold():
                     awaited = "a transform, for which another thread has to spin the listener's node"
                     time_lock.wait(lambda: ask() is None, until_ns=until_ns, awaited=awaited)
-        return ask()
 
 
 def _check_timeout(timeout: Duration) -> None:
@@ -210,10 +210,10 @@ def _check_text(value: str, position: int) -> str:
 
 def _ns(time: Any, noun: str = "time") -> int:
     """Return the nanoseconds of a time or a duration, of rclpy or a message."""
-    if hasattr(time, "sec") and hasattr(time, "nanosec"):
-        return int(time.sec) * 10**9 + int(time.nanosec)
     if hasattr(time, "nanoseconds"):
         return int(time.nanoseconds)
+    if hasattr(time, "sec") and hasattr(time, "nanosec"):
+        return int(time.sec) * 10**9 + int(time.nanosec)
     raise TypeError(f"{noun} must have sec and nanosec, or nanoseconds.")
 
 
