@@ -368,6 +368,21 @@ class BufferCore:
         translation, rotation = self._walk(target, source, time_ns)
         return Transform(target, source, time_ns, translation, normalized(rotation))
 
+    def latest_common_time(self, target: str, source: str) -> int:
+        """Return the newest time at which the whole chain is known [ns]; 0 if it is static.
+
+        The errors are those of tf2_py's get_latest_common_time.
+        """
+        for frame in (target, source):
+            self._check_frame(frame, "get_latest_common_time")
+        if target == source:
+            latest = self._caches[target].latest() if target in self._caches else None
+            return latest.stamp_ns if latest else 0
+        try:
+            return self._latest_common_time(target, source)
+        except TransformException as error:
+            raise TransformException(str(error)) from None
+
     def is_too_old(self, target: str, source: str, time_ns: int) -> bool:
         """Return whether a time is older than all cached transforms, so that a lookup can never succeed.
 
@@ -457,12 +472,15 @@ class BufferCore:
 
     def _check_frames(self, **arguments: str) -> None:
         for argument, name in arguments.items():
-            where = f"passed to lookupTransform argument {argument}"
-            reason = _bad_name(name)
-            if reason:
-                raise InvalidArgumentException(f'Invalid argument "{name}" {where} - {reason}')
-            if name not in self._frames:
-                raise LookupException(f'"{name}" {where} does not exist. ')
+            self._check_frame(name, "lookupTransform argument ", argument)
+
+    def _check_frame(self, name: str, function: str, argument: str = "") -> None:
+        reason = _bad_name(name)
+        if reason:
+            where = f"passed to {function}{argument}"
+            raise InvalidArgumentException(f'Invalid argument "{name}" {where} - {reason}')
+        if name not in self._frames:
+            raise LookupException(f'"{name}" passed to {function}{argument} does not exist. ')
 
     def _bad_argument(self, **arguments: str) -> str | None:
         for argument, name in arguments.items():

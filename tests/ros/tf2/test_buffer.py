@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 import rclpy
 import tf2_geometry_msgs  # noqa: F401  # teaches buffers the types of geometry_msgs
+import tf2_py
 import tf2_ros
 from geometry_msgs.msg import PointStamped
 from rclpy.duration import Duration
@@ -18,6 +19,7 @@ from tf2_ros import Buffer, TransformListener
 from tf2_ros.buffer_interface import TypeException
 
 from course_lib.ros.graph.graph import Graph
+from course_lib.ros.tf2 import BufferCore, Pose
 from tests.ros.tf2.stamped import stamped
 
 S = 10**9  # [ns]
@@ -55,6 +57,97 @@ def test_times_of_any_clock_and_time_messages_are_accepted() -> None:
 def test_lookup_transform_full_relates_two_times_through_a_fixed_frame() -> None:
     transform = filled().lookup_transform_full("base", Time(seconds=3), "base", Time(seconds=1), "map")
     assert transform.transform.translation.x == pytest.approx(-2.0)
+
+
+def test_lookup_without_a_timeout_searches_the_frames_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    buffer, searches = filled(), []
+    search = BufferCore._walk
+
+    def count(core: BufferCore, target: str, source: str, time_ns: int) -> Pose:
+        searches.append((target, source))
+        return search(core, target, source, time_ns)
+
+    monkeypatch.setattr(BufferCore, "_walk", count)
+    buffer.lookup_transform("map", "tool", Time())
+    assert searches == [("map", "tool")]
+
+
+def test_methods_of_tf2_py_return_what_lookups_and_questions_return() -> None:
+    buffer, at, then = filled(), Time(seconds=1), Time(seconds=3)
+    full = "base", then, "base", at, "map"
+    assert buffer.lookup_transform_core("map", "tool", at) == buffer.lookup_transform("map", "tool", at)
+    assert buffer.lookup_transform_full_core(*full) == buffer.lookup_transform_full(*full)
+    assert buffer.can_transform_core("map", "tool", at) == (1, "")
+    assert buffer.can_transform_full_core(*full) == (1, "")
+    assert (buffer.can_transform_full(*full), buffer.can_transform_full(*full, return_debug_tuple=True)) == (
+        1,
+        (1, ""),
+    )
+    problem = buffer.can_transform_core("map", "nowhere", at)
+    assert problem == (
+        0,
+        'Invalid frame ID "nowhere" passed to canTransform argument source_frame - frame does not exist',
+    )
+
+
+def test_latest_common_time_is_the_newest_time_of_the_whole_chain() -> None:
+    buffer = filled()
+    assert buffer.get_latest_common_time("map", "tool") == Time(seconds=3)
+    assert buffer.get_latest_common_time("base", "tool") == Time()
+    assert buffer.get_latest_common_time("base", "base") == Time(seconds=3)
+    assert buffer.get_latest_common_time("map", "map") == Time()
+
+
+@pytest.mark.parametrize(
+    ("frame", "exception", "text"),
+    [
+        ("nowhere", tf2_ros.LookupException, '"nowhere" passed to get_latest_common_time does not exist. '),
+        (
+            "/map",
+            tf2_ros.InvalidArgumentException,
+            'Invalid argument "/map" passed to get_latest_common_time - in tf2 frame_ids cannot start '
+            "with a '/'",
+        ),
+        ("island", tf2_ros.TransformException, "Could not find a connection between 'map' and 'island'"),
+    ],
+)
+def test_latest_common_time_of_unconnected_frames_has_the_error_of_tf2_py(
+    frame: str, exception: type[Exception], text: str
+) -> None:
+    buffer = filled()
+    buffer.set_transform(stamped("sea", "island", S), "me")
+    with pytest.raises(tf2_ros.TransformException, match=re.escape(text)) as caught:
+        buffer.get_latest_common_time("map", frame)
+    assert type(caught.value) is exception
+
+
+def test_buffer_core_stores_transforms_without_a_node() -> None:
+    core = tf2_py.BufferCore(Duration(seconds=5))
+    core.set_transform(stamped("map", "base", S, x=2.0), "me")
+    core.set_transform_static(stamped("base", "tool", x=0.5), "me")
+    assert core.lookup_transform_core("map", "tool", Time()).transform.translation.x == 2.5
+    assert isinstance(Buffer(), tf2_py.BufferCore)
+
+
+def test_stamped_gives_an_object_a_header() -> None:
+    point = tf2_ros.Stamped(PointStamped(), Time(seconds=2).to_msg(), "map")
+    assert (point.header.frame_id, point.header.stamp.sec) == ("map", 2)
+
+
+def test_message_is_transformed_to_another_time_via_a_fixed_frame() -> None:
+    point = PointStamped(header=Header(frame_id="base", stamp=Time(seconds=1).to_msg()))
+    moved = filled().transform_full(point, "base", Time(seconds=3), "map")
+    assert (moved.header.frame_id, moved.point.x) == ("base", -2.0)
+
+
+def test_future_of_a_full_transform_is_done_when_its_data_arrives() -> None:
+    buffer = filled()
+    future = buffer.wait_for_transform_full_async("base", Time(seconds=5), "base", Time(seconds=1), "map")
+    assert not future.done()
+    buffer.set_transform(stamped("map", "base", 5 * S, x=5.0), "me")
+    result = future.result()
+    assert result is not None
+    assert result.transform.translation.x == -4.0
 
 
 def test_can_transform_returns_the_reason_with_return_debug_tuple() -> None:

@@ -15,6 +15,7 @@ from tf2_ros.buffer import Buffer as Buffer
 from tf2_ros.buffer_interface import BufferInterface as BufferInterface
 from tf2_ros.buffer_interface import ConvertRegistration as ConvertRegistration
 from tf2_ros.buffer_interface import NotImplementedException as NotImplementedException
+from tf2_ros.buffer_interface import Stamped as Stamped
 from tf2_ros.buffer_interface import TransformRegistration as TransformRegistration
 from tf2_ros.buffer_interface import TypeException as TypeException
 from tf2_ros.buffer_interface import convert as convert

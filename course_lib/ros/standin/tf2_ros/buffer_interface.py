@@ -16,6 +16,12 @@ Obj = TypeVar("Obj")
 NO_WAIT = Duration()
 
 
+def Stamped(obj: Any, stamp: builtin_interfaces.msg.Time, frame_id: str) -> Any:  # noqa: N802  # ROS's name
+    """Give an object a header with a stamp and a frame, and return the object."""
+    obj.header = Header(frame_id=frame_id, stamp=stamp)
+    return obj
+
+
 class TypeException(Exception):  # noqa: N818  # ROS's name
     """No function is registered for transforming or converting a type."""
 
@@ -123,6 +129,30 @@ class BufferInterface:
         """Return whether a lookup would succeed. Subclasses must override it."""
         raise NotImplementedException
 
+    def lookup_transform_full(
+        self,
+        target_frame: str,
+        target_time: AnyTime,
+        source_frame: str,
+        source_time: AnyTime,
+        fixed_frame: str,
+        timeout: Duration = NO_WAIT,
+    ) -> TransformStamped:
+        """Return the transform between two frames at two times. Subclasses must override it."""
+        raise NotImplementedException
+
+    def can_transform_full(
+        self,
+        target_frame: str,
+        target_time: AnyTime,
+        source_frame: str,
+        source_time: AnyTime,
+        fixed_frame: str,
+        timeout: Duration = NO_WAIT,
+    ) -> Any:
+        """Return whether a full lookup would succeed. Subclasses must override it."""
+        raise NotImplementedException
+
     def transform(
         self,
         object_stamped: Obj,
@@ -141,5 +171,23 @@ class BufferInterface:
         do_transform = TransformRegistration().get(type(object_stamped))
         header: Header = getattr(object_stamped, "header")  # noqa: B009  # Obj is any type with a header
         transform = self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout)
+        transformed = do_transform(object_stamped, transform)
+        return transformed if new_type is None else convert(transformed, new_type)
+
+    def transform_full(
+        self,
+        object_stamped: Obj,
+        target_frame: str,
+        target_time: AnyTime,
+        fixed_frame: str,
+        timeout: Duration = NO_WAIT,
+        new_type: type[Any] | None = None,
+    ) -> Any:
+        """Transform a message into another frame at another time, via a fixed frame."""
+        do_transform = TransformRegistration().get(type(object_stamped))
+        header: Header = getattr(object_stamped, "header")  # noqa: B009  # as above
+        transform = self.lookup_transform_full(
+            target_frame, target_time, header.frame_id, header.stamp, fixed_frame, timeout
+        )
         transformed = do_transform(object_stamped, transform)
         return transformed if new_type is None else convert(transformed, new_type)
