@@ -58,6 +58,28 @@ def test_init_in_a_with_statement_shuts_down_at_the_end(graph: Graph) -> None:
     assert not context.ok()
 
 
+def test_shutdown_does_not_call_a_method_of_an_object_that_is_gone(started_graph: Graph) -> None:
+    called: list[str] = []
+
+    class Camera:
+        def stop(self) -> None:
+            called.append("stopped")
+
+    kept = Camera()
+    context = rclpy.get_default_context()
+    context.on_shutdown(kept.stop)
+    context.on_shutdown(Camera().stop)
+    rclpy.shutdown()
+    assert called == ["stopped"]
+
+
+def test_context_is_not_ok_in_a_shutdown_callback(started_graph: Graph) -> None:
+    states: list[bool] = []
+    rclpy.get_default_context().on_shutdown(lambda: states.append(rclpy.ok()))
+    rclpy.shutdown()
+    assert states == [False]
+
+
 def test_shutdown_calls_the_on_shutdown_callbacks(started_graph: Graph) -> None:
     called: list[str] = []
     rclpy.get_default_context().on_shutdown(lambda: called.append("called"))

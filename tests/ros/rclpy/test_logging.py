@@ -185,7 +185,7 @@ def test_logger_services_of_a_node_report_and_set_its_levels(node: Node) -> None
     wanted = [LoggerLevel(name="chatty.arm", level=10), LoggerLevel(name="chatty", level=7)]
     done = call(executor, node, SetLoggerLevels, "set", SetLoggerLevels.Request(levels=wanted))
     assert [result.successful for result in done.results] == [True, False]
-    assert done.results[1].reason == "7 is not a valid LoggingSeverity"
+    assert done.results[1].reason == "Failed reason: Invalid logger level."
     names = GetLoggerLevels.Request(names=["chatty.arm", "chatty"])
     seen = call(executor, node, GetLoggerLevels, "get", names)
     assert [(level.name, level.level) for level in seen.levels] == [("chatty.arm", 10), ("chatty", 0)]

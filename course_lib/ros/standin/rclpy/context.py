@@ -6,7 +6,9 @@ import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
+from inspect import ismethod
 from typing import Any
+from weakref import WeakMethod
 
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.time.time_lock import time_lock
@@ -33,7 +35,8 @@ class Context(AbstractContextManager["Context"]):
         # Type names of the endpoints on each topic. A list holds equal names, one for each
         # endpoint.
         self.__types: dict[str, list[str]] = {}
-        self._callbacks: list[Callable[[], object]] = []
+        # Functions that return a callback of the shutdown, or None if its object is gone.
+        self._callbacks: list[Callable[[], Callable[[], object] | None]] = []
 
     def init(
         self,
@@ -47,13 +50,14 @@ class Context(AbstractContextManager["Context"]):
             raise RuntimeError(f"Domain id ({domain_id}) should not be lower than zero.")
         if self.__initialized:
             raise RuntimeError("Context.init() must only be called once")
-        if not isinstance(args, list | None) or not isinstance(domain_id, int | None):
+        is_number = domain_id is None or (isinstance(domain_id, int) and domain_id < 2**64)
+        if not isinstance(args, list | None) or not is_number:
             raise TypeError("__init__(): incompatible constructor arguments.")
         try:
             self.arguments = parse(sys.argv if args is None else args)
         except RCLInvalidROSArgsError as error:
             raise RCLError(f"{NOT_INITIALIZED}{str(error).removeprefix(INVALID_ARGUMENTS)}") from None
-        self.__domain_id = domain_id
+        self.__domain_id = None if domain_id is None else int(domain_id)
         current_graph().state(LogLevels).by_logger |= self.arguments.log_levels
         self.__initialized = True
         if time_lock.is_interrupted_by_end() and not self.graph.ended:
@@ -116,8 +120,10 @@ class Context(AbstractContextManager["Context"]):
         if self.is_valid:
             self.invalidate()
             callbacks, self._callbacks = self._callbacks, []
-            for callback in callbacks:
-                callback()
+            for find_callback in callbacks:
+                callback = find_callback()
+                if callback is not None:
+                    callback()
 
     def invalidate(self) -> None:
         """Shut down without the shutdown callbacks, which a signal handler must not run."""
@@ -149,14 +155,17 @@ class Context(AbstractContextManager["Context"]):
         self.__types[topic].pop()
 
     def on_shutdown(self, callback: Callable[[], object]) -> None:
-        """Call `callback()` at the shutdown, or immediately if the context is already shut down."""
+        """Call `callback()` at the shutdown, or immediately if the context is already shut down.
+
+        As in rclpy, a method is not called if its object does not exist any more.
+        """
         if not callable(callback):
             # rclpy passes the placeholder unfilled as well.
             raise TypeError("callback should be a callable, got {}", type(callback))
         if self.__shut_down:
             callback()
         else:
-            self._callbacks.append(callback)
+            self._callbacks.append(WeakMethod(callback) if ismethod(callback) else lambda: callback)
 
     def __enter__(self) -> "Context":
         self.init()

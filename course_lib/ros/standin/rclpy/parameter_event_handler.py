@@ -37,7 +37,8 @@ class ParameterEventHandler:
         self, node: "Node", qos_profile: QoSProfile = qos_profile_parameter_events, **options: Any
     ) -> None:
         self.node = node
-        self.__handles: list[ParameterCallbackHandle | ParameterEventCallbackHandle] = []
+        self.__handles: list[ParameterCallbackHandle] = []
+        self.__event_handles: list[ParameterEventCallbackHandle] = []
         self.parameter_event_subscription = node.create_subscription(
             ParameterEvent, "/parameter_events", self.__on_event, qos_profile, **options
         )
@@ -68,18 +69,21 @@ class ParameterEventHandler:
     ) -> ParameterEventCallbackHandle:
         """Register a callback for each parameter event."""
         handle = ParameterEventCallbackHandle(callback)
-        self.__handles.insert(0, handle)
+        self.__event_handles.insert(0, handle)
         return handle
 
-    def remove_parameter_callback(
-        self, handle: ParameterCallbackHandle | ParameterEventCallbackHandle
-    ) -> None:
-        """Remove a callback. Raise a RuntimeError if it was not added."""
-        if handle not in self.__handles:
+    def remove_parameter_callback(self, handle: ParameterCallbackHandle) -> None:
+        """Remove a callback for a parameter. Raise a RuntimeError if it was not added."""
+        # The handle of a callback for all events has no parameter_name, and raises AttributeError.
+        if not handle.parameter_name or handle not in self.__handles:
             raise RuntimeError("Callback doesn't exist")
         self.__handles.remove(handle)
 
-    remove_parameter_event_callback = remove_parameter_callback
+    def remove_parameter_event_callback(self, handle: ParameterEventCallbackHandle) -> None:
+        """Remove a callback for all events. Raise a RuntimeError if it was not added."""
+        if handle not in self.__event_handles:
+            raise RuntimeError("Callback doesn't exist")
+        self.__event_handles.remove(handle)
 
     @staticmethod
     def get_parameters_from_event(event: ParameterEvent) -> Iterator[ParameterMsg]:
@@ -93,13 +97,13 @@ class ParameterEventHandler:
     ) -> ParameterMsg | None:
         """Return a parameter that an event reports as new or changed, or None."""
         parameters = ParameterEventHandler.get_parameters_from_event(event)
-        same = (p for p in parameters if p.name == parameter_name and event.node == node_name)
+        same = (one for one in parameters if one.name == parameter_name and event.node == node_name)
         return next(same, None)
 
     def __on_event(self, event: ParameterEvent) -> None:
-        for handle in [h for h in self.__handles if isinstance(h, ParameterCallbackHandle)]:
+        for handle in tuple(self.__handles):
             parameter = self.get_parameter_from_event(event, handle.parameter_name, handle.node_name)
             if parameter is not None:
                 handle.callback(parameter)
-        for every in [h for h in self.__handles if isinstance(h, ParameterEventCallbackHandle)]:
-            every.callback(event)
+        for event_handle in tuple(self.__event_handles):
+            event_handle.callback(event)

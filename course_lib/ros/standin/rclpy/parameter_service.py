@@ -112,8 +112,9 @@ class LoggingService:
             result = SetLoggerLevelsResult(successful=True)
             try:
                 set_logger_level(requested.name, requested.level, detailed_error=True)
-            except ValueError as error:
-                result = SetLoggerLevelsResult(successful=False, reason=str(error))
+            except ValueError:
+                reason = "Failed reason: Invalid logger level."
+                result = SetLoggerLevelsResult(successful=False, reason=reason)
             response.results.append(result)
         return response
 

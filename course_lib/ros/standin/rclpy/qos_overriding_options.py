@@ -74,8 +74,10 @@ def apply_overrides(
         return profile
     profile, suffix = copy(profile), "" if options.entity_id is None else f"_{options.entity_id}"
     about = f"for {kind} `{topic}` with id `{options.entity_id}`"
+    allowed = [one for one in QoSPolicyKind if kind == "publisher" or one is not QoSPolicyKind.LIFESPAN]
     for policy in options.policy_kinds:
-        if kind == "subscription" and policy is QoSPolicyKind.LIFESPAN:
+        # As in ROS, names of policies are ignored: only members of QoSPolicyKind count.
+        if policy not in allowed:
             continue
         field = policy.name.lower()
         name = f"qos_overrides.{topic}.{kind}{suffix}.{field}"

@@ -46,7 +46,6 @@ class Subscription(Entity, TopicEnd[MsgT]):
         self.callback = callback
         self.raw = raw
         self.__message_class: Any = msg_type if isinstance(msg_type, type) else type(msg_type)
-        self.__takes_info = _takes_info(callback)
         self.__queue: deque[tuple[bytes, int, int]] = deque()
         qos = to_qos(qos_profile, "sub")
         self.__capacity = qos.depth if qos.history == "keep_last" else None
@@ -54,6 +53,16 @@ class Subscription(Entity, TopicEnd[MsgT]):
             node.id, self._course_entity, full_topic, type_name(msg_type), qos, self.__receive
         )
         TopicEnd.__init__(self, Endpoint(node, subscription_id, full_topic), msg_type, topic, qos_profile)
+
+    @property
+    def callback(self) -> Callable[..., object]:
+        """The callback, which takes the message, or the message and a MessageInfo."""
+        return self.__callback
+
+    @callback.setter
+    def callback(self, value: Callable[..., object]) -> None:
+        self.__takes_info = _takes_info(value)
+        self.__callback = value
 
     def _course_is_ready(self) -> bool:
         """Return whether a received message waits for the callback."""

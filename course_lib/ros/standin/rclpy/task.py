@@ -201,11 +201,12 @@ class Task(_AnyFuture):
     def __init__(
         self,
         handler: Any,
-        args: tuple[Any, ...] = (),
+        args: tuple[Any, ...] | None = None,
         kwargs: dict[str, Any] | None = None,
         executor: TaskRunner | None = None,
     ) -> None:
         super().__init__(executor=executor)
+        args = args or ()
         self._handler: Any = handler
         if inspect.iscoroutinefunction(handler):
             self._handler = handler(*args, **(kwargs or {}))

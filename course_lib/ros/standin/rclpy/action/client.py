@@ -72,16 +72,19 @@ class ClientGoalHandle:
     def get_result_async(self) -> Future[Any]:
         """Request the result and return its future. The response holds `status` and `result`."""
         client = self._action_client
-        future = client._course_results.call_async(client._course_result_request(self))
-        future.add_done_callback(self.__on_result)
+        response = client._course_results.call_async(client._course_result_request(self))
+        future: Future[Any] = Future()
+        response.add_done_callback(partial(self.__on_result, future))
+        future._course_unmet = response._course_unmet
         return future
 
-    def __on_result(self, future: Future[Any]) -> None:
+    def __on_result(self, future: Future[Any], response: Future[Any]) -> None:
         self._action_client._feedback_callbacks.pop(bytes(self.goal_id.uuid), None)
-        response = future.result()
-        if response is not None:
+        result = response.result()
+        if result is not None:
             # In ROS the last message about the status has arrived by now.
-            self.status = response.status
+            self.status = result.status
+        self._action_client._course_complete(future, result)
 
     def __cancel_request(self) -> CancelGoal.Request:
         return CancelGoal.Request(goal_info=GoalInfo(goal_id=self.goal_id))
@@ -171,13 +174,18 @@ class ActionClient:
         future: Future[ClientGoalHandle] = Future()
 
         def bring(answer: Future[Any]) -> None:
-            future._set_executor(self._node.executor)
-            future.set_result(self.__accept(request, answer.result()))
+            self._course_complete(future, self.__accept(request, answer.result()))
 
         response = self.__sends.call_async(request)
         response.add_done_callback(bring)
         future._course_unmet = response._course_unmet
         return future
+
+    def _course_complete(self, future: Future[Any], result: Any) -> None:
+        """Set the result of a future that the program has not cancelled."""
+        if not future.cancelled():
+            future._set_executor(self._node.executor)
+            future.set_result(result)
 
     def server_is_ready(self) -> bool:
         """Return whether an action server is available.

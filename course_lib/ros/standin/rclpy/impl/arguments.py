@@ -201,7 +201,8 @@ def _check_remap(match: str, to: str) -> None:
         if match in ("__node", "__name"):
             names.validate_node_name(to)
         elif match == "__ns":
-            names.validate_namespace(to)
+            # rcl accepts a slash at the end here, and rejects it when it creates the node.
+            names.validate_namespace(to if to == "/" else to.removesuffix("/"))
         else:
             for name in (match, to):
                 names.validate_topic_name(name)

@@ -228,7 +228,7 @@ def enter_graph(context: Context, name: str, namespace: str, arguments: Argument
 
     Raises:
         TypeError: A name is not a string.
-        RCLError: There is no name.
+        RCLError: There is no name, or a remapped namespace ends with a slash.
         InvalidNodeNameException: The name is invalid.
         InvalidNamespaceException: The namespace is invalid.
     """
@@ -238,7 +238,12 @@ def enter_graph(context: Context, name: str, namespace: str, arguments: Argument
         raise TypeError("__init__(): incompatible constructor arguments.")
     names.validate_node_name(name)
     name = arguments.remap_node(name, "__node", name)
-    namespace = arguments.remap_node(name, "__ns", namespace)
+    remapped = arguments.remap_node(name, "__ns", "")
+    if remapped.endswith("/") and remapped != "/":
+        # The text is rcl's.
+        text = "invalid node namespace: node name must not start with a number"
+        raise RCLError(f"error creating node: {text}")
+    namespace = remapped or namespace
     absolute = namespace if namespace.startswith("/") else f"/{namespace}"
     names.validate_namespace(absolute)
     return NodeHandle(context, name, absolute, arguments)
