@@ -10,7 +10,7 @@ from typing import Any
 
 import rospy  # type: ignore[import-not-found]  # Debian's, not the kit's
 from geometry_msgs.msg import TransformStamped
-from tf2_py import BufferCore, TransformException  # type: ignore[attr-defined]  # Debian's, too
+from tf2_py import BufferCore, TransformException  # Debian's
 
 
 def time(stamp_ns: int) -> Any:
