@@ -292,7 +292,7 @@ class PropertyHolder(KnownAttributes):
             self.apply_change(prop.label)
 
     def apply_change(self, label: str) -> None:
-        """React to a new value of a property."""
+        """Call `on_changed`; a display makes its exceptions a status."""
         self.on_changed(label)
 
     def on_changed(self, label: str) -> None:

@@ -144,7 +144,7 @@ class Viewpoint:
 
 
 def triangles_of(
-    scene: Scene, camera: drawables.Camera, height: int, hidden_paths: tuple[str, ...] = ()
+    scene: Scene, camera: drawables.Camera, height: int, hidden_paths: tuple[str, ...]
 ) -> Iterator[Triangles]:
     """Iterate over all visible objects in an image of a given height, except those at hidden paths.
 

@@ -66,7 +66,7 @@ def _open_regular(path: str, mode: str = "r") -> IO[str]:
     return open(path, mode)
 
 
-def expand_xacro(path: Path, arguments: Mapping[str, object] | None = None) -> str:
+def expand_xacro(path: Path, arguments: Mapping[str, object]) -> str:
     """Expand a xacro file and return the robot description.
 
     `$(find …)` also finds the packages of the file's own workspace.
@@ -81,7 +81,7 @@ def expand_xacro(path: Path, arguments: Mapping[str, object] | None = None) -> s
     # xacro writes booleans as YAML does.
     xacro_arguments = [
         f"{name}:={str(value).lower() if isinstance(value, bool) else value}"
-        for name, value in (arguments or {}).items()
+        for name, value in arguments.items()
     ]
     environment = dict(os.environ)
     try:
