@@ -213,3 +213,21 @@ def test_expand_property_overrides_rows_that_were_expanded_or_collapsed_before(b
     bench.page.get_by_role("combobox", name="Link Tree Style").select_option("Tree of links")
     bench.host.carry()
     bench.row("Link Tree").wait_for()
+
+
+def test_values_of_all_levels_are_in_one_column_and_a_shortened_label_has_its_name_as_title(
+    bench: Bench,
+) -> None:
+    bench.viewer.add("PointCloud2", topic="/cloud", color_transformer="Intensity")
+    bench.host.carry()
+    bench.open("PointCloud2")
+    inner = bench.row("Selectable").locator(".course-value").bounding_box()
+    outer = bench.row("PointCloud2").locator(".course-value").bounding_box()
+    assert inner is not None
+    assert outer is not None
+    assert inner["x"] == outer["x"]
+    label = bench.page.get_by_text("Autocompute Intensity Bounds", exact=True)
+    label.hover()
+    assert label.get_attribute("title") == (
+        "Autocompute Intensity Bounds: Whether to automatically compute the intensity min/max values."
+    )

@@ -54,7 +54,14 @@ const EDITORS = {
     const field = createElement("select", { onchange: () => set(field.value) }, ...options);
     return { element: field, update: (value) => (field.value = value) };
   },
-  color: (_, set) => inputField({ type: "color" }, (input) => set(rgb(input.value)), hex),
+  color: (_, set) => {
+    const control = inputField({ type: "color" }, (input) => set(rgb(input.value)), hex);
+    const update = (/** @type {number[]} */ value) => {
+      control.element.title = value.join("; "); // as RViz writes it
+      control.update(value);
+    };
+    return { ...control, update };
+  },
   vector: ({ label }, set) => {
     const change = () => set(axes.map(({ element }) => element.valueAsNumber));
     const axes = ["x", "y", "z"].map((axis) =>

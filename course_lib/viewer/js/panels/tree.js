@@ -63,12 +63,13 @@ export class Tree {
     const shape = JSON.stringify([row.editor, row.checked === undefined, isParent]);
     let drawnRow = this.drawnRows.get(row.key);
     if (drawnRow?.shape !== shape) this.drawnRows.set(row.key, (drawnRow = this.createRow(row, shape)));
-    const { element, label, mark, tick, editor } = drawnRow;
+    const { element, name, label, mark, tick, editor } = drawnRow;
     element.ariaLevel = String(depth);
-    element.style.paddingInlineStart = `${(depth - 1) * 14 + 2}px`;
+    name.style.paddingInlineStart = `${(depth - 1) * 14 + 2}px`; // the values stay in one column
     if (isParent) element.ariaExpanded = String(this.isOpen(row));
     label.textContent = row.label;
-    label.title = row.title ?? "";
+    drawnRow.description = row.title ?? "";
+    label.title = drawnRow.description;
     mark.textContent = row.mark?.icon ?? "";
     mark.hidden = !row.mark;
     mark.title = mark.ariaLabel = row.mark?.word ?? "";
@@ -95,8 +96,13 @@ export class Tree {
     element.onfocus = () => this.select(row.key, false);
     element.onmousedown = () => this.select(row.key, false);
     element.dataset.key = row.key;
+    label.onmouseenter = () => {
+      const isCut = name.scrollWidth > name.clientWidth;
+      label.title = [isCut ? label.textContent : "", drawn.description].filter(Boolean).join(": ");
+    };
     label.ondblclick = () => this.toggle(row.key);
-    return { element, label, mark, tick, editor, twisty, shape };
+    const drawn = { element, name, label, mark, tick, editor, twisty, shape, description: "" };
+    return drawn;
   }
 
   /** @param {string} key */
