@@ -192,3 +192,32 @@ def test_zero_button_restores_the_default_camera(bench: Bench) -> None:
     bench.press("Jump to 0,0,0 with the current view controller (Z)")
     view = bench.viewer.view
     assert (view["Distance"], view["Focal Point"]) == (10.0, (0.0, 0.0, 0.0))
+
+
+def test_key_f_looks_at_the_point_below_the_pointer(bench: Bench) -> None:
+    show_view(bench, Orbit(distance=5.0, yaw=0.0, pitch=math.pi / 2))
+    canvas = bench.page.locator("canvas")
+    box = canvas.bounding_box()
+    assert box is not None
+    canvas.press("f")  # the pointer is elsewhere
+    # The cube of 1 m at the origin, seen from above, 4.5 m above its top.
+    pixels_per_meter = box["height"] / 2 / math.tan(math.pi / 8) / 4.5
+    bench.page.mouse.move(box["x"] + box["width"] / 2 + 0.25 * pixels_per_meter, box["y"] + box["height"] / 2)
+    canvas.press("f")
+    bench.host.carry()
+    bench.host.wait_until(lambda: bench.viewer.view["Focal Point"] != (0.0, 0.0, 0.0))
+    x, y, z = bench.viewer.view["Focal Point"]
+    assert (abs(x), abs(y), z) == pytest.approx((0.0, 0.25, 0.5), abs=0.03)
+
+
+@pytest.mark.slow
+def test_fps_view_moves_by_the_same_step_after_it_has_looked_at_a_point(bench: Bench) -> None:
+    show_view(bench, FPS(yaw=math.pi, pitch=0.0, position=(5.0, 0.0, 0.3)))
+    canvas = bench.page.locator("canvas")
+    box = canvas.bounding_box()
+    assert box is not None
+    bench.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    canvas.press("f")
+    canvas.press("-")
+    away = 5.0 + 10 * (math.exp(0.12) - 1)
+    bench.host.wait_until(lambda: bench.viewer.view["Position"][0] == pytest.approx(away, abs=0.01))

@@ -166,9 +166,11 @@ export class Orbit {
   /** @param {number[]} point the new focal point [m] */
   lookAt(point) {
     const to = new THREE.Vector3(...point);
+    if (to.distanceTo(this.eye) < this.near) return; // a line through the eye gives no direction
     if (this.scale) this.eye.add(to.clone().sub(this.target).setZ(0));
     if (this.lift) to.z = this.ground;
     this.target.copy(to);
+    if (this.inPlace) this.target.sub(this.eye).normalize().add(this.eye); // always 1 m ahead
     this.raise(1);
   }
 

@@ -47,11 +47,13 @@ export class View {
     this.onTurn = () => {};
     /** @type {any} */
     this.focus = null; // the disc at the focal point
+    /** @type {PointerEvent | null} */
+    this.pointer = null; // its last motion over the view
     /** @type {HTMLCanvasElement} */
     this.canvas = createElement("canvas", { tabIndex: 0, role: "img", ariaLabel: options.label });
     this.canvas.style.cssText = "display:block;width:100%;height:100%;touch-action:none;outline-offset:-2px";
     this.message = createElement("output", { style: `${CORNER};left:0;bottom:0;pointer-events:none` }); // error messages
-    this.fullScreenButton = button(icon("full"), "Full screen (F)", () => this.toggleFull());
+    this.fullScreenButton = button(icon("full"), "Full screen (F11)", () => this.toggleFull());
     this.fullScreenButton.style.cssText = `${CORNER};right:var(--course-pictures,0px);top:0;border:0;cursor:pointer;opacity:0.7`;
     host.style.position = "relative";
     this.separateButton = button(icon("apart"), "Labels do not overlap: nearer ones hide others", () => {
@@ -174,6 +176,8 @@ export class View {
       this.canvas.focus({ preventScroll: true });
       event.preventDefault();
     });
+    this.canvas.addEventListener("pointerleave", () => (this.pointer = null));
+    this.canvas.addEventListener("pointermove", (event) => (this.pointer = event));
     on("pointermove", (event) => {
       if (!press) return;
       const [dx, dy] = [event.clientX - press.x, event.clientY - press.y];
@@ -200,7 +204,8 @@ export class View {
       const [dx, dy] = ARROWS[event.key] ?? [0, 0];
       if (dx || dy) this.drag(event.shiftKey ? 1 : 0, dx, dy);
       else if (event.key === "+" || event.key === "-") this.drag(2, 0, event.key === "-" ? NOTCH : -NOTCH);
-      else if (event.key === "f" && !event.ctrlKey && !event.metaKey) this.toggleFull();
+      else if (event.key === "F11") this.toggleFull();
+      else if (event.key === "f" && !event.ctrlKey && !event.metaKey) this.lookAtPointer();
       else return;
       consume(event);
     });
@@ -244,6 +249,12 @@ export class View {
   lookAt(point) {
     this.orbit.lookAt(point);
     this.onTurned();
+  }
+
+  /** Look at the point below the pointer, like RViz's key F. */
+  lookAtPointer() {
+    const point = this.pointer && this.pick(this.pointer).point;
+    if (point) this.lookAt(point);
   }
 
   onTurned() {
