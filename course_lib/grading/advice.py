@@ -401,6 +401,9 @@ def call_note(task: Task, result: TaskResult, evidence: Sequence[Evidence]) -> l
     for (scenario, run, check), outcome in zip(checks, result.checks, strict=True):
         if outcome.passed or task.kind != "function" or check.origin is None:
             continue
+        # Its own call is right: only another check, which it requires, has failed.
+        if outcome.mistake == NEEDS_ANOTHER:
+            continue
         index = check.origin.arguments.get("call")
         if index is None or not (scenario.calls[index].args or scenario.calls[index].kwargs):
             return []

@@ -16,6 +16,7 @@ from course_lib.grading import expect_value, inputs, my
 from course_lib.grading.advice import Advice, call_note
 from course_lib.grading.check import CheckFailedError, check, next_step
 from course_lib.grading.evidence import Evidence
+from course_lib.grading.judge import NEEDS_ANOTHER
 from course_lib.grading.records import CheckResult, TaskResult
 from course_lib.grading.reports.rendering import Table
 from course_lib.grading.store import Course
@@ -314,3 +315,14 @@ def test_call_of_the_first_failed_check_is_shown_unless_it_is_long_or_has_no_arg
     evidence = Evidence(task.id, "public", 1.0, personal={"n": 20})
     expected = [] if shown is None else [f"The first failed check calls {shown}"]
     assert call_note(task, result, [evidence]) == expected
+
+
+def test_call_of_a_check_that_only_requires_a_failed_one_is_not_shown() -> None:
+    checks = (expect_value(1, call=0), expect_value(2, call=1))
+    scenario = Scenario("public", calls=(Call(1), Call(2)), checks=checks)
+    task = Task("week01.t", "T", "function", "f", ("1", "2", "3"), (scenario,))
+    mistakes = (NEEDS_ANOTHER, "a value is wrong")
+    outcomes = tuple(CheckResult("", "public", False, 1.0, 0.0, "", mistake) for mistake in mistakes)
+    result = TaskResult(task.id, "T", 1.0, False, outcomes)
+    evidence = Evidence(task.id, "public", 1.0)
+    assert call_note(task, result, [evidence]) == ["The first failed check calls f(2)"]
