@@ -96,7 +96,8 @@ def test_platform_csv_maps_numbers_to_student_ids(sort: Sort, tmp_path: Path) ->
     (tmp_path / "grades.csv").write_text("Identifier,ID number\nParticipant 12345,A 7\nParticipant 8,b\n")
     collection = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
     assert collected_files(tmp_path / "out") == [f"a7/{NAME}", "received.csv"]
-    assert "note: student IDs are from the column 'ID number' of grades.csv" in collection.notes
+    note = "note: student IDs are from the column 'ID number' of grades.csv, which has no times of submission"
+    assert note in collection.notes
 
 
 def test_student_missing_in_the_platform_csv_is_reported(sort: Sort, tmp_path: Path) -> None:

@@ -63,7 +63,9 @@ def fill(out: Path) -> Fill:
     return do
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1", "utf-16-be-bom"])
+@pytest.mark.parametrize(
+    "encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1", "utf-16-be-bom", "utf-16-le", "utf-16-be"]
+)
 @pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"])
 def test_canvas_csv_is_unchanged_except_for_the_marks(fill: Fill, encoding: str, newline: str) -> None:
     def bytes_of(text: str) -> bytes:

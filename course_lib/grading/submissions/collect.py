@@ -367,8 +367,12 @@ def _read_exports(
         owner_ids = {ids.get(key, key) for key in keys}
         by_key, heading = read_ids(roster, id_column, owner_ids)
         ids = {**by_key, **{anonymous_id: by_key.get(user, user) for anonymous_id, user in ids.items()}}
-        time_tables += [table] if (table := read_times(roster, zone, owner_ids)) else []
-        collection.notes.add(f"note: student IDs are from the column {heading!r} of {roster.name}")
+        table = read_times(roster, zone, owner_ids)
+        time_tables += [table] if table else []
+        without_times = "" if time_tables else ", which has no times of submission"
+        collection.notes.add(
+            f"note: student IDs are from the column {heading!r} of {roster.name}{without_times}"
+        )
     collection.notes |= {_time_note(table, zone) for table in time_tables}
     return Exports(ids, [table for table in time_tables if not table.unread])
 

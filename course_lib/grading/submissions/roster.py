@@ -75,13 +75,13 @@ class LmsFile:
                 f"{path} can't be read: {error.strerror}. Pass the CSV file of a platform or a class."
             ) from error
         bom = next((bom for bom in BOMS if data.startswith(bom)), b"")
-        encoding = BOMS.get(bom) or ("utf-8" if _is_utf8(data) else "latin-1")  # latin-1 decodes any byte
+        encoding = BOMS.get(bom) or _guess_encoding(data)
         try:
             text = data.removeprefix(bom).decode(encoding, "surrogatepass" if bom else "strict")
         except UnicodeError as error:
+            reason = "byte order mark indicates it" if bom else "first bytes are like that"
             raise CourseError(
-                f"{path} is not valid {encoding}, although its byte order mark indicates it: "
-                f"{error}. Export it again."
+                f"{path} is not valid {encoding}, although its {reason}: {error}. Export it again."
             ) from error
         first = re.split("[\r\n]", text, maxsplit=1)[0]
         delimiter = max(DELIMITERS, key=first.count)
@@ -146,6 +146,17 @@ class LmsFile:
                 f"{len(columns) or 'no'} columns are named {name!r}; expected one of {known_headings}"
             )
         return columns[0]
+
+
+def _guess_encoding(data: bytes) -> str:
+    """Return the encoding of a table without a byte order mark."""
+    # In UTF-16, every other byte of headings in Latin letters is 0.
+    for encoding, first in (("utf-16-le", 1), ("utf-16-be", 0)):
+        high_bytes = data[first:200:2]
+        if len(data) % 2 == 0 and 2 * high_bytes.count(0) > len(high_bytes):
+            return encoding
+    # latin-1 decodes any byte.
+    return "utf-8" if _is_utf8(data) else "latin-1"
 
 
 def _is_utf8(data: bytes) -> bool:
