@@ -501,8 +501,11 @@ def load_robot(name: str | Path, **arguments: object) -> Robot:
         try:
             return _check_meshes(from_text(description, path))
         except CourseError as error:
-            advice = "" if "<link" in description else _advice_without_links(text)
-            raise CourseError(f"{path}{_line_of_error(text, str(error))}: {error}{advice}") from error
+            # A text that is not XML may be the beginning of a description with links.
+            is_xml = "is not XML" not in str(error)
+            advice = _advice_without_links(text) if is_xml and "<link" not in description else ""
+            message = f"{str(error).rstrip('.')}.{advice}" if advice else str(error)
+            raise CourseError(f"{path}{_line_of_error(text, str(error))}: {message}") from error
     _reject_arguments(f"the model {name!r}", arguments)
     return _from_example_robot_data(name)
 

@@ -168,6 +168,14 @@ def test_error_about_a_description_without_links_suggests_the_including_file(tmp
         load_robot(path)
 
 
+def test_truncated_description_is_not_said_to_have_no_links(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text('<robot name="arm">\n  <material name="red">')
+    with pytest.raises(CourseError, match="is not XML: no element found") as error:
+        load_robot(path)
+    assert "links" not in str(error.value)
+
+
 @pytest.mark.parametrize("name", ["ur10", '<robot name="r"><link name="a"/></robot>'])
 def test_arguments_for_a_robot_without_xacro_are_rejected(name: str) -> None:
     with pytest.raises(CourseError, match=r"but prefix was given\. Only xacro files take arguments\."):
