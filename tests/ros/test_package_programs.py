@@ -299,7 +299,13 @@ def test_error_of_another_kind_from_opencv_gets_no_hint_about_windows() -> None:
 
 @pytest.mark.parametrize(
     ("module", "name"),
-    [("cv2", "opencv-python-headless"), ("serial", "pyserial"), ("ntplib", "ntplib"), ("lxml", "lxml")],
+    [
+        ("cv2", "opencv-python-headless"),
+        ("serial", "pyserial"),
+        ("ntplib", "ntplib"),
+        ("PyQt6.QtWidgets", "PyQt6"),
+        ("websocket", "websocket-client"),
+    ],
 )
 def test_missing_module_of_pip_gets_the_command_that_installs_it(module: str, name: str) -> None:
     error = ModuleNotFoundError(f"No module named '{module}'", name=module)
@@ -320,6 +326,8 @@ def test_missing_module_of_pip_gets_the_command_that_installs_it(module: str, na
         ("zed_interfaces.msg", "put the folder zed_interfaces with its msg"),
         ("py_trees_ros.trees", "py_trees itself runs, after pip install py-trees"),
         ("inputs", "pip install inputs"),
+        ("PyKDL", "KDL is a compiled library, which pip can't install. Here course_lib.robots has forward"),
+        ("python_qt_binding.QtWidgets", "Here `%rqt` shows graph, plot, console, bag and more"),
     ],
 )
 def test_missing_module_that_cannot_run_here_has_a_hint(module: str, text: str) -> None:
