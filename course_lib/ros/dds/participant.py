@@ -124,6 +124,9 @@ class Participant:
         self._entities = itertools.count(1)
         # Own endpoints by entity id.
         self._own: dict[bytes, Writer | Reader] = {}
+        # The own readers of each remote writer whose messages are addressed to all readers; cleared
+        # before endpoints are matched or removed.
+        self._readers_by_writer: dict[bytes, list[Reader]] = {}
         # Own writers that announce endpoints.
         self._announcers: dict[Kind, Writer] = {}
         # Remote participants that are present now, by GUID prefix.
@@ -175,6 +178,7 @@ class Participant:
     def _add(self, own: Own) -> Own:
         endpoint = own.endpoint
         with self.lock:
+            self._readers_by_writer.clear()
             self._own[endpoint.guid[PREFIX_SIZE:]] = own
             description = wire.describe(endpoint, self.guid, self._own_locator)
             self._announcers[endpoint.kind].write(description)
@@ -195,6 +199,7 @@ class Participant:
     def remove(self, endpoint: Endpoint) -> None:
         """Remove a writer or a reader from the network."""
         with self.lock:
+            self._readers_by_writer.clear()
             self._own.pop(endpoint.guid[PREFIX_SIZE:], None)
             if self.is_open:
                 self._announcers[endpoint.kind].write(*wire.disposal(Pid.ENDPOINT, endpoint.guid))
@@ -284,6 +289,7 @@ class Participant:
             builtin = _locators_at(host, locators)
             self._announce(builtin)
             self._eager = EAGER_ANNOUNCEMENTS
+            self._readers_by_writer.clear()
             for writer, reader in SEDP.values():
                 for own, entity in ((writer, reader), (reader, writer)):
                     endpoint = Endpoint(prefix + entity, "", "", DISCOVERY_QOS, locators=builtin)
@@ -354,10 +360,12 @@ class Participant:
         if guid not in self._endpoints:
             self._on_endpoint(endpoint, True)
             self._endpoints[guid] = endpoint
+        self._readers_by_writer.clear()
         for own in tuple(self._own.values()):
             _match(own, endpoint)
 
     def _remove_endpoint(self, guid: bytes) -> None:
+        self._readers_by_writer.clear()
         for own in self._own.values():
             own.matched.pop(guid, None)
         if guid in self._endpoints:
@@ -503,7 +511,13 @@ class Participant:
     def _readers_of(self, entity: bytes, writer: bytes) -> list[Reader]:
         """Return the readers to which a submessage of a remote writer is addressed."""
         if entity == wire.UNKNOWN_ENTITY:
-            return [own for own in self.readers() if writer in own.matched]
+            readers = self._readers_by_writer.get(writer)
+            if readers is None:
+                readers = [own for own in self.readers() if writer in own.matched]
+                # Unknown writers are not remembered, because their number has no limit.
+                if readers:
+                    self._readers_by_writer[writer] = readers
+            return readers
         own = self._own.get(entity)
         return [own] if isinstance(own, Reader) and writer in own.matched else []
 
