@@ -235,6 +235,8 @@ def check_programs(files: Sequence[Path]) -> None:
 
 # Period of checking whether the programs still run [ns].
 STEP_NS = 2 * 10**7
+# Time after which a program without a node counts as started [s].
+NODE_SECONDS = 10.0
 NOT_ROS_OWN = "Not ROS's own, but the kit's on the real rclpy"
 
 
@@ -266,7 +268,8 @@ def run_on_ros(
 
     Args:
         files: Python programs; each runs in a separate process.
-        seconds: Wall-clock time, [s]; None waits for Ctrl+C or the programs' end.
+        seconds: Wall-clock time from the first node, or from NODE_SECONDS on if there is none, [s];
+            None waits for Ctrl+C or the programs' end.
         bag: Folder of the recording, which must not exist.
         arguments: The arguments in `sys.argv` of each program.
         shows: Whether the viewer displays them in a browser tab.
@@ -327,6 +330,7 @@ def _recording(graph: RobotGraph, bag: Path | None) -> AbstractContextManager[ob
 def _follow(graph: RobotGraph, programs: RealProcesses, seconds: float | None, *, shows: bool) -> None:
     """Run the graph until the programs end or the time is over."""
     first_node: float | None = None
+    begin = wall.monotonic()
     with ExitStack() as stack:
         if shows:
             from course_lib.displays.viewer import Viewer
@@ -343,6 +347,9 @@ def _follow(graph: RobotGraph, programs: RealProcesses, seconds: float | None, *
             else:
                 graph.advance()
             if first_node is None and graph.nodes():
+                first_node = wall.monotonic()
+            elif first_node is None and seconds is not None and wall.monotonic() - begin > NODE_SECONDS:
+                print_to_stderr(f"No node has started for {NODE_SECONDS:g} s: --seconds begins now.")
                 first_node = wall.monotonic()
             if seconds is not None and first_node is not None and wall.monotonic() - first_node >= seconds:
                 return

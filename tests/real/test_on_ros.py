@@ -129,6 +129,22 @@ def test_program_with_tf2_runs_unchanged_and_is_recorded(tmp_path: Path) -> None
     assert sum(sample.topic == "/tf" for sample in samples) > 10
 
 
+def test_program_without_a_node_ends_with_a_line(tmp_path: Path) -> None:
+    program = tmp_path / "waits.py"
+    program.write_text("import time\ntime.sleep(600)\n")
+    done = _course("run", program, "--ros", "--seconds", 1)
+    assert done.returncode == 0, done.stderr
+    assert "No node has started for 10 s: --seconds begins now." in done.stderr
+
+
+def test_import_of_a_package_without_a_wheel_has_a_hint(tmp_path: Path) -> None:
+    program = tmp_path / "drive.py"
+    program.write_text("from nav2_simple_commander.robot_navigator import BasicNavigator\n")
+    done = _course("run", program, "--ros", "--seconds", 1)
+    assert done.returncode == 1
+    assert "hint: nav2_simple_commander is not in the environment of the real ROS 2" in done.stderr
+
+
 def test_custom_messages_services_and_actions_have_their_types(tmp_path: Path) -> None:
     package = tmp_path / "my_msgs"
     for name, text in {

@@ -56,6 +56,10 @@ PARENT = os.getppid()
 ORPHAN_SECONDS = 5
 # Its functions are called by C code, through ctypes.
 CALLBACKS = str(Path(__file__).with_name("late_types.py"))
+NOT_INSTALLED = (
+    "hint: {} is not in the environment of the real ROS 2, which has rclpy, its messages and numpy. "
+    "Run the program without --ros, or on a robot.\n"
+)
 NO_COURSE_LIB = "robots do not have course_lib, so `from course_lib import {}` fails there, too"
 
 
@@ -140,6 +144,8 @@ def print_error(
     while trace is not None and trace.tb_frame.f_code.co_filename == __file__:
         trace = trace.tb_next
     traceback.print_exception(kind, error, trace)
+    if isinstance(error, ModuleNotFoundError) and error.name:
+        sys.stderr.write(NOT_INSTALLED.format(error.name.partition(".")[0]))
 
 
 def interrupt(_: int, frame: FrameType | None) -> None:
