@@ -109,10 +109,12 @@ class _Judge:
         self._remaining = TASK_SECONDS
         self._verdicts: dict[Callable[[Evidence], Verdict], Verdict] = {}  # verdicts of the current run
         self._seconds: dict[Callable[[Evidence], Verdict], float] = {}
+        self._titles: dict[Callable[[Evidence], Verdict], str] = {}  # rows of the current run
 
     def results(self, run: Run) -> list[CheckResult]:
         """Return a row for each check, then release the messages that were decoded for them."""
         self._verdicts = {}
+        self._titles = {check.judge: check.title for check in run.scenario.checks}
         evidence = replace(run.evidence, checks=all_checks(run.scenario.checks))
         rows = [_row(check, run, self._verdict(check, evidence)) for check in run.scenario.checks]
         evidence.release()
@@ -122,7 +124,8 @@ class _Judge:
     def _verdict(self, check: Check, evidence: Evidence) -> Verdict:
         """Return a check's verdict, with score 0 if a check that it requires fails.
 
-        If the check itself passes, the message names the required check.
+        If the check itself passes, the message names the row of the required check. A required
+        check without a row shows its own message instead: students can't look it up.
         """
         if check.judge not in self._verdicts:
             self._verdicts[check.judge] = self._run_check(check, evidence)
@@ -132,7 +135,9 @@ class _Judge:
             if failing.score >= 1 and not failing.broken:
                 continue
             if verdict.score >= 1 or failing.broken:
-                message = f'checked once "{required.title}" passes'
+                title = self._titles.get(required.judge, required.title)
+                has_row = required.judge in self._titles or failing.broken
+                message = f'checked once "{title}" passes' if has_row else failing.message
                 return Verdict(0.0, message, NEEDS_ANOTHER, failing.broken)
             return replace(verdict, score=0.0)
         return verdict

@@ -156,6 +156,19 @@ def test_check_scores_only_if_its_required_checks_pass() -> None:
     assert result.checks[1].message == 'checked once "a cube" passes'
 
 
+def test_unmet_requirement_is_named_by_its_row_or_else_by_its_own_message() -> None:
+    shape = Check("the marker: type", lambda evidence: Verdict(0.0, "it is a sphere"))
+    always = Check("all the time", lambda evidence: Verdict(0.0, "silent from 2 s to 4 s"))
+    rate = Check("once a second", lambda evidence: Verdict(1.0, "as expected"))
+    checks = (shape.titled("a cube"), rate.requiring(shape), rate.requiring(always))
+    run = Run(Scenario("public", checks=checks), Evidence("week01.demo", "public", 5.0))
+
+    result = judge_task(Task("week01.demo", "D", "node", "N", ("a", "b", "c")), 30, False, [run])
+
+    messages = [check.message for check in result.checks]
+    assert messages[1:] == ['checked once "a cube" passes', "silent from 2 s to 4 s"]
+
+
 def test_formal_checks_have_a_tenth_of_the_weight_and_require_the_shape_check() -> None:
     shape = Check("a cube", lambda evidence: Verdict(1.0 if evidence.samples else 0.0, ""))
     color = Check("red", lambda evidence: Verdict(1.0, "as expected"), weight=2.0)

@@ -504,5 +504,5 @@ def test_error_in_a_kit_launch_file_reports_that_file(
     )
     _, code = recorded(file)
     assert code == 1
-    error = r"launch configuration 'urdf_package' does not exist \(display\.launch\.py, line \d+: Include"
+    error = r"launch configuration 'urdf_package' does not exist: .+ \(display\.launch\.py, line \d+: Include"
     assert re.search(error, "".join(capsys.readouterr()))

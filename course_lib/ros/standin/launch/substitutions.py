@@ -48,7 +48,10 @@ class LaunchConfiguration(Substitution):
             name = text_of(context, variable_name)
             value = context.launch_configurations.get(name, default)
             if value is None:
-                raise SubstitutionFailure(f"launch configuration '{name}' does not exist")
+                raise SubstitutionFailure(
+                    f"launch configuration '{name}' does not exist: is there a"
+                    f" DeclareLaunchArgument('{name}') before this line?"
+                )
             return text_of(context, value if isinstance(value, list | tuple | Substitution) else str(value))
 
         super().__init__(make)
