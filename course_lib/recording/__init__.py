@@ -511,6 +511,10 @@ def read_bag(folder: str | Path) -> Recording:
         # rosbags looks the encoding of each definition up, and does not know this one.
         is_unknown_encoding = isinstance(error, KeyError) and error.args == (_TEXT_ENCODINGS[-1],)
         return _read_files(path, "" if is_unknown_encoding else _describe_damage(path, error))
+    if len(samples) < listed_count and bag_metadata(path).get("compression_mode", "") in ("", "NONE"):
+        # rosbags leaves out topics whose QoS in the metadata is another one than in the files.
+        samples_of_files, _ = salvage(data_files(path))
+        samples = samples_of_files if len(samples_of_files) == listed_count else samples
     if len(samples) < listed_count:
         sys.stderr.write(
             f"warning: The bag {path} is damaged: {format_count(listed_count, 'message')} should be "

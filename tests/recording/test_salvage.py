@@ -472,3 +472,19 @@ def test_bag_with_a_definition_of_unknown_encoding_is_read_without_a_warning(
     ((_, event),) = read_bag(tmp_path / "bag").messages("/report")
     assert (event.request, event.response) == ([], [])
     assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("storage", [StoragePlugin.MCAP, StoragePlugin.SQLITE3])
+def test_topic_with_another_qos_in_the_metadata_is_read_without_a_warning(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], storage: StoragePlugin
+) -> None:
+    write_custom_type(tmp_path / "bag", STRING, "string data\n", bytes(8), storage)
+    metadata = tmp_path / "bag" / "metadata.yaml"
+    text = metadata.read_text()
+    qos = "'- {history: 3, depth: 0, reliability: 1, durability: 2, deadline: {sec: 0, nsec: 0}, "
+    qos += "lifespan: {sec: 0, nsec: 0}, liveliness: 1, liveliness_lease_duration: {sec: 0, nsec: 0}, "
+    qos += "avoid_ros_namespace_conventions: false}'"
+    metadata.write_text(re.sub(r"offered_qos_profiles: (\[\]|''|\"\")", f"offered_qos_profiles: {qos}", text))
+    assert metadata.read_text() != text
+    assert len(read_bag(tmp_path / "bag").samples) == 1
+    assert capsys.readouterr().err == ""
