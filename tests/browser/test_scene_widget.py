@@ -288,7 +288,7 @@ def test_full_screen_view_is_toggled_by_key_or_button_and_resized(host: Host) ->
     show_scene(host, scene)
     before = count(host.pixels(), RED)
     host.page.mouse.click(10, 10)
-    host.page.keyboard.press("f")
+    host.page.keyboard.press("F11")
     host.page.wait_for_function("document.fullscreenElement !== null")
     host.carry(frames=4)
     assert count(host.pixels(), RED) > 2 * before
