@@ -4,7 +4,7 @@ from bisect import bisect_right
 from collections.abc import Callable
 from math import acos, inf, isnan, sin, sqrt
 from operator import attrgetter
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, NoReturn, TypeAlias
 
 import numpy as np
 
@@ -214,14 +214,14 @@ class TimeCache:
         """
         transforms = self._transforms
         if not transforms:
-            raise _no_data(time_ns, transforms)
+            _raise_no_data(time_ns, transforms)
         oldest, newest = transforms[0], transforms[-1]
         if time_ns in (0, newest.stamp_ns):
             return newest
         if time_ns == oldest.stamp_ns:
             return oldest
         if not oldest.stamp_ns < time_ns < newest.stamp_ns:
-            raise _no_data(time_ns, transforms)
+            _raise_no_data(time_ns, transforms)
         index = self._count_until(time_ns)
         older, newer = transforms[index - 1], transforms[index]
         return interpolate(older, newer, time_ns) if older.parent == newer.parent else older
@@ -240,17 +240,17 @@ class TimeCache:
         return bisect_right(self._transforms, time_ns, key=attrgetter("stamp_ns"))
 
 
-def _no_data(time_ns: int, transforms: list[Transform]) -> NoDataError:
-    """Return the error of a lookup at a time outside of the stored range."""
+def _raise_no_data(time_ns: int, transforms: list[Transform]) -> NoReturn:
+    """Raise the error of a lookup at a time outside of the stored range."""
     requested = format_stamp(time_ns)
     if len(transforms) < 2:
         only = format_stamp(transforms[0].stamp_ns if transforms else 0)
-        return NoDataError(
+        raise NoDataError(
             f"Lookup would require extrapolation at time {requested}, but only time {only} is in the buffer"
         )
     edges = ("future", "latest", transforms[-1]), ("past", "earliest", transforms[0])
     direction, edge, nearest = edges[time_ns < transforms[0].stamp_ns]
-    return NoDataError(
+    raise NoDataError(
         f"Lookup would require extrapolation into the {direction}.  Requested time "
         f"{requested} but the {edge} data is at time {format_stamp(nearest.stamp_ns)}"
     )
