@@ -286,6 +286,7 @@ def test_full_screen_view_is_toggled_by_key_or_button_and_resized(host: Host) ->
     scene = from_above()
     scene.set_object("box", box(RED))
     show_scene(host, scene)
+    host.page.wait_for_selector(AT_REST)
     before = count(host.pixels(), RED)
     host.page.mouse.click(10, 10)
     host.page.keyboard.press("F11")
@@ -295,4 +296,5 @@ def test_full_screen_view_is_toggled_by_key_or_button_and_resized(host: Host) ->
     host.page.get_by_role("button", name="Full screen").click()
     host.page.wait_for_function("document.fullscreenElement === null")
     host.carry(frames=4)
+    host.page.wait_for_selector(AT_REST)
     assert count(host.pixels(), RED) == before
