@@ -169,7 +169,9 @@ class Advice:
             hidden = caught.other if caught is not None else ""
             own = hidden or _missing_call(code, result) or find_hidden_error(source)
             texts = [own or task.mistakes.get(SILENT) or _silence_hint(code), *texts]
-        slip = find_slip(source) if too_much or not result.errors else ""
+        # Code that is stopped after its time has no other sign of the cause.
+        too_long = bool(result.errors) and "is it an endless loop?" in result.errors[0]
+        slip = find_slip(source) if too_much or too_long or not result.errors else ""
         if not slip and not result.errors:
             slip = _missing_subscription_hint(task, code) or _late_timer_hint(task, source)
         if not slip and (too_much or not result.errors):
@@ -430,11 +432,19 @@ def missing_return_hint(task: Task, evidence: Iterable[Evidence], source: str = 
         returned is None for record in ran for returned in record.returns
     ):
         tree = parse(source)
-        returned = [node.value for node in ast.walk(tree) if isinstance(node, ast.Return)]
+        function = next((part for part in getattr(tree, "body", ()) if isinstance(part, Function)), None)
+        returned = [node.value for node in own_returns(function)] if function is not None else []
         # A loop that `return` ends early is the cause then, and has its own hint.
         if find_slip(source).startswith("return ends the loop"):
             return []
-        last = next((part.body[-1] for part in getattr(tree, "body", ()) if isinstance(part, Function)), None)
+        last = function.body[-1] if function is not None else None
+        inner = [part for part in function.body if isinstance(part, Function)] if function is not None else []
+        helpers = {part.name: part for part in getattr(tree, "body", ()) if isinstance(part, Function)}
+        if not returned and inner:
+            return [
+                f"{task.name} returned None: the lines of def {inner[0].name} run only when they are "
+                f"called. Write return {inner[0].name}(…) after them, or leave out the inner def."
+            ]
         match last:
             case ast.Expr(value=ast.Call(func=ast.Name(id="print"))):
                 return [f"{task.name} returned None: print shows a value, and return gives it to the caller."]
@@ -448,6 +458,12 @@ def missing_return_hint(task: Task, evidence: Iterable[Evidence], source: str = 
                     f"{task.name} returned None: {call}(…) returns nothing. Call it on a line of "
                     "its own, then return the value."
                 ]
+        for value in returned:
+            match value:
+                case ast.Call(func=ast.Name(id=name)) if name in helpers and not any(
+                    node.value for node in own_returns(helpers[name])
+                ):
+                    return [f"{task.name} returned None: {name} has no return with a value."]
         calls = [
             value.func.attr
             for value in returned
@@ -460,6 +476,15 @@ def missing_return_hint(task: Task, evidence: Iterable[Evidence], source: str = 
             return [f"{task.name} returned None: does each path through it end with a return and a value?"]
         return [f"{task.name} returned None: is there a return?"]
     return []
+
+
+def own_returns(function: ast.AST) -> Iterator[ast.Return]:
+    """Yield the returns of a function, without those of functions inside it."""
+    for node in ast.iter_child_nodes(function):
+        if isinstance(node, ast.Return):
+            yield node
+        if not isinstance(node, Function | ast.Lambda | ast.ClassDef):
+            yield from own_returns(node)
 
 
 def caught_mistake_hint(caught: CaughtErrors | None, result: TaskResult) -> list[str]:

@@ -1,6 +1,7 @@
 """`check(task, obj)` in a notebook: runs the student's object, judges it, shows why."""
 
 import os
+import re
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -20,12 +21,15 @@ from course_lib.grading.own_source import source_of
 from course_lib.grading.records import Run, TaskResult
 from course_lib.grading.reports.rendering import Table
 from course_lib.grading.run.outcome import printed_lines
-from course_lib.grading.run.scenario import run_in_this_process
+from course_lib.grading.run.scenario import WALL_LIMIT, run_in_this_process
 from course_lib.grading.submissions.notebook import NOT_SUBMITTED
 from course_lib.grading.task import Catalog, Task, shipped_catalog
 from course_lib.host import in_notebook
 
 STRICT = "COURSE_STRICT"
+STUB = "raise NotImplementedError"
+# [s] of the wall clock, for scenarios after one that has taken all of its time.
+SHORT_LIMIT = 3.0
 # Default of `subject`: None is a valid object to check.
 MISSING = object()
 
@@ -64,21 +68,26 @@ def check(task_id: str, subject: Any = MISSING) -> None:
     personal = personal_values(task, student)
     strict = os.environ.get(STRICT) == "1"
     source = source_of(subject, task.week)
+    runs: list[Run] = []
+    limit = WALL_LIMIT
     with CaughtErrors(source) as caught:
-        runs = [
-            Run(scenario, run_in_this_process(task, scenario, subject, personal))
-            for scenario in task.scenarios
-        ]
+        for scenario in task.scenarios:
+            record = run_in_this_process(task, scenario, subject, personal, wall_limit=limit)
+            runs.append(Run(scenario, record))
+            # An endless loop of one scenario is one of the others, too.
+            limit = SHORT_LIMIT if record.stopped else limit
     result = judge_task(task, *catalog.points(task), runs)
     evidence = [run.evidence for run in runs]
     # Outside IPython there is no history of cells.
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython is not None else None
     history = getattr(shell, "history_manager", None)
-    save_progress(task, result, [] if history is None else list(history.input_hist_raw))
+    cells = [] if history is None else list(history.input_hist_raw)
+    save_progress(task, result, cells)
     table = table_of(task, result, evidence, student, _ADVICE, source, caught)
     own_files = map(NOT_SUBMITTED.format, _own_modules())
-    table = replace(table, next_step=next_step(catalog, task), notes=(*table.notes, *own_files))
+    notes = (*_mix_up_note(catalog, task, result, subject, cells), *table.notes, *own_files)
+    table = replace(table, next_step=next_step(catalog, task), notes=notes)
     show(lambda: table, str(table))
     if in_notebook() and task.ghost and not result.passed:
         # Imported late, because widgets are slow to load.
@@ -113,6 +122,25 @@ def next_step(catalog: Catalog, task: Task) -> str:
     title = tasks[place].title
     end = "" if title.endswith("?") else "."
     return f"Next is task {place + 1}{' for a bonus' if is_bonus else ''}: {title}{end}"
+
+
+def _mix_up_note(
+    catalog: Catalog, task: Task, result: TaskResult, subject: Any, cells: Sequence[str]
+) -> list[str]:
+    """Return a line about an object of another task, or about an answer that a later cell replaced."""
+    name = getattr(subject, "__name__", "")
+    if result.passed or not isinstance(name, str):
+        return []
+    if name != task.name and name in [other.name for other in catalog.tasks.values()]:
+        return [f"Hint: {name} belongs to another task. Write: {_call_text(task)}"]
+    definition = re.compile(rf"^(class|def) {re.escape(name)}\b", re.MULTILINE)
+    own = [cell for cell in cells if definition.search(cell)] if name else []
+    if result.is_untouched and any(STUB not in cell for cell in own):
+        return [
+            f"Hint: An earlier cell defines {name} without this line, and a later one has replaced "
+            "it: delete the later cell, and run your own again."
+        ]
+    return []
 
 
 def _own_modules() -> list[str]:

@@ -58,10 +58,8 @@ class PersonalValues(dict[str, Any]):
         self._task_id = task_id
 
     def __missing__(self, name: str) -> Any:
-        names = ", ".join(map(repr, self))
-        raise CourseError(
-            f"{self._task_id} has no value {name!r}, only {names}{did_you_mean(str(name), self)}"
-        )
+        known = f"only {', '.join(map(repr, self))}" if self else "and no other: is another task meant?"
+        raise CourseError(f"{self._task_id} has no value {name!r}, {known}{did_you_mean(str(name), self)}")
 
 
 def set_values(values: dict[str, dict[str, Any]]) -> None:

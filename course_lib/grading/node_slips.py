@@ -52,7 +52,23 @@ def find_slip(source: str) -> str:
                 *_fields_of_node(outer),
             ):
                 return slip
-    return ""
+    return next(_exchanged_arguments(tree), "")
+
+
+def _exchanged_arguments(tree: ast.AST) -> Iterator[str]:
+    """Yield a sentence for each call whose arguments have the names of parameters, in another order."""
+    functions = {one.name: one for one in getattr(tree, "body", ()) if isinstance(one, Function)}
+    for node in ast.walk(tree):
+        match node:
+            case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in functions:
+                passed = [one.id for one in args if isinstance(one, ast.Name)]
+                expected = [one.arg for one in functions[name].args.args]
+                is_same = sorted(passed) == sorted(expected) and len(passed) == len(args)
+                if is_same and passed != expected:
+                    yield (
+                        f"{quote(node)} passes its values in another order than def "
+                        f"{name}({', '.join(expected)})."
+                    )
 
 
 def callbacks_of(cls: ast.ClassDef) -> Iterator[Function]:
@@ -145,11 +161,43 @@ def _odd_parameter_callbacks(cls: ast.ClassDef) -> Iterator[str]:
                         f"async makes {name} return a coroutine instead of a result, so ROS "
                         "rejects each value: leave async out."
                     )
+                elif fixed := _returned_constant(methods[name]):
+                    yield (
+                        f"{name} returns {fixed}, and ROS expects a SetParametersResult: "
+                        f"{result}, or successful=False and a reason."
+                    )
+                elif first := _first_parameter(methods[name]):
+                    yield (
+                        f"{first} is only the first parameter of a call, which may set several: "
+                        "write a loop over all of them."
+                    )
                 elif _may_end_without_return(methods[name].body):
                     yield (
                         f"{name} may end without return, and then ROS rejects the value: end it "
                         f"with {result}."
                     )
+
+
+def _returned_constant(function: Function) -> str:
+    """Return the True or False that a function returns, or ""."""
+    for node in ast.walk(function):
+        match node:
+            case ast.Return(value=ast.Constant(value=bool() as value)):
+                return str(value)
+    return ""
+
+
+def _first_parameter(function: Function) -> str:
+    """Return the expression that selects the first item of a callback's list, or ""."""
+    names = [one.arg for one in function.args.args[1:2]]
+    has_loop = any(isinstance(node, ast.For | ast.comprehension) for node in ast.walk(function))
+    for node in ast.walk(function):
+        match node:
+            case ast.Subscript(value=ast.Name(id=name), slice=ast.Constant(value=0)) if (
+                name in names and not has_loop
+            ):
+                return ast.unparse(node)
+    return ""
 
 
 def _may_end_without_return(block: Sequence[ast.stmt]) -> bool:

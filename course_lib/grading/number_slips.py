@@ -14,6 +14,7 @@ _LONG_AGO = 1e6  # [s]
 
 def number_slips(function: Function) -> Iterator[str]:
     """Yield a sentence for each slip with a number, a unit or an array in a function."""
+    yield from _wrong_angles(function)
     yield from _integer_quotients(function)
     yield from _cut_quotients(function)
     yield from _integer_arrays(function)
@@ -21,6 +22,33 @@ def number_slips(function: Function) -> Iterator[str]:
     yield from _filtered_indices(function)
     yield from _absolute_times(function)
     yield from _covered_limits(function)
+
+
+def _wrong_angles(function: Function) -> Iterator[str]:
+    """Yield a sentence for each angle in degrees where a function takes radians."""
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(func=ast.Attribute(attr="sin" | "cos" | "tan" as name), args=[argument]) if any(
+                isinstance(part, ast.Call)
+                and isinstance(part.func, ast.Attribute)
+                and part.func.attr in ("degrees", "rad2deg")
+                for part in ast.walk(argument)
+            ):
+                yield f"{quote(node)}: {name} takes radians, so leave out the conversion to degrees."
+            case ast.BinOp(
+                left=ast.Name(id=name) | ast.Attribute(attr=name),
+                op=ast.Add() | ast.Sub() | ast.Mod(),
+                right=ast.Constant() as degrees,
+            ) if name in _ANGLES and (turn := _TURNS.get(ast.unparse(degrees))):
+                yield f"{quote(node)}: angles are in radians here, and {ast.unparse(degrees)}° is {turn}."
+
+
+_ANGLES = {"angle", "yaw", "heading", "theta", "turn", "first", "second", "lift", "elbow"}
+_TURNS = {
+    **dict.fromkeys(("90", "90.0"), "math.pi / 2"),
+    **dict.fromkeys(("180", "180.0"), "math.pi"),
+    **dict.fromkeys(("360", "360.0"), "2 * math.pi"),
+}
 
 
 def _integer_quotients(function: Function) -> Iterator[str]:
@@ -56,6 +84,11 @@ def _cut_quotients(function: Function) -> Iterator[str]:
                 places = [inner for other in ast.walk(function) for inner in _integer_operands(other)]
                 if not any(uses(place, name) for place in places):
                     yield f"{cut}( ) leaves out the fraction of {name}: is a whole number meant?"
+            case ast.Return(value=ast.Tuple(elts=items) | ast.List(elts=items)):
+                for item in items:
+                    match item:
+                        case ast.Call(func=ast.Name(id="round"), args=[_, *_]):
+                            yield f"{quote(item)} leaves out digits: return the number itself."
 
 
 def _is_scaled(node: ast.expr) -> bool:
@@ -91,7 +124,9 @@ def _integer_arrays(function: Function) -> Iterator[str]:
                 created[name] = ast.unparse(call)
     for node in ast.walk(function):
         match node:
-            case ast.Assign(targets=targets, value=value) if _may_be_fraction(value):
+            case ast.Assign(targets=targets, value=value) if _may_be_fraction(value) or _is_parameter(
+                function, value
+            ):
                 parts = [part for target in targets for part in getattr(target, "elts", [target])]
                 for part in parts:
                     match part:
@@ -102,6 +137,10 @@ def _integer_arrays(function: Function) -> Iterator[str]:
                             )
             case ast.Call() if _cuts_values(node) and not _is_index(function, node):
                 yield f"{quote(node)} cuts off the fraction of each number: leave out the integer type."
+
+
+def _is_parameter(function: Function, value: ast.expr) -> bool:
+    return isinstance(value, ast.Name) and value.id in [one.arg for one in function.args.args]
 
 
 def _has_integers(call: ast.Call) -> bool:

@@ -55,10 +55,11 @@ def function_slips(function: Function, attributes: set[str]) -> Iterator[str]:
     yield from _lost_factors(function)
     yield from _shared_defaults(function)
     yield from _lost_results(function)
+    yield from _unused_fields(function)
+    yield from _endless_loops(function)
     if function.args.args[:1] and function.args.args[0].arg == "self":
         yield from _blocking_calls(function)
         yield from _waiting_loops(function)
-        yield from _endless_loops(function)
         yield from _python_timers(function)
         yield from _early_lookups(function)
         yield from _idle_lambdas(function)
@@ -541,6 +542,9 @@ def _endless_loops(function: Function) -> Iterator[str]:
                     for call in ast.walk(node)
                     if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute)
                 }
+                # A function that spins the node itself is a program of its own.
+                if methods & {"spin", "spin_once", "spin_until_future_complete"}:
+                    continue
                 if methods & set(_SENDING) or _calls_own_method(node):
                     yield (
                         f'"while {ast.unparse(test)}" in {function.name} never ends, so that no callback of '
@@ -578,12 +582,42 @@ def _python_timers(function: Function) -> Iterator[str]:
     for node in ast.walk(function):
         match node:
             case ast.Call(
-                func=ast.Attribute(value=ast.Name(id="threading"), attr="Timer") | ast.Name(id="Timer")
+                func=ast.Attribute(value=ast.Name(id="threading"), attr="Timer" | "Thread")
+                | ast.Name(id="Timer" | "Thread")
             ):
                 yield (
-                    f"{quote(node)} calls its function once, after the wall clock. A timer of the "
+                    f"{quote(node)} calls its function once, by the wall clock. A timer of the "
                     "node calls it again and again: self.create_timer(period, function)."
                 )
+
+
+def _unused_fields(function: Function) -> Iterator[str]:
+    """Yield a sentence for each variable that is set and never read, and has the name of a field."""
+    names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
+    read = {node.id for node in names if isinstance(node.ctx, ast.Load)}
+    declared = {
+        name
+        for node in ast.walk(function)
+        if isinstance(node, ast.Global | ast.Nonlocal)
+        for name in node.names
+    }
+    messages = [node.arg for node in function.args.args if node.arg != "self"]
+    messages += [created_object(one)[0] for one in ast.walk(function) if isinstance(one, ast.stmt)]
+    owner = next((name for name in messages if name in _MESSAGE_NAMES), "")
+    for node in ast.walk(function):
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)]) if (
+                owner and name in _FIELD_NAMES and name not in read | declared
+            ):
+                yield f"{quote(node)} sets a variable that nothing reads: is {owner}.{name} meant?"
+
+
+# Usual names of messages, and fields that a program sets.
+_MESSAGE_NAMES = {"marker", "message", "msg", "state", "pose", "path", "scan", "status", "image"}
+_FIELD_NAMES = {
+    *("header", "stamp", "frame_id", "pose", "position", "orientation", "scale", "color", "lifetime"),
+    *("text", "points", "ns", "id", "type", "action", "name", "velocity", "level", "values", "poses"),
+}
 
 
 def _early_lookups(function: Function) -> Iterator[str]:

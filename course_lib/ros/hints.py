@@ -9,17 +9,14 @@ import linecache
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from traceback import walk_tb
-from types import BuiltinFunctionType, FunctionType, MethodType, ModuleType
-from typing import Any
-
-import numpy as np
+from types import FunctionType, ModuleType
 
 from course_lib.errors import join_words
-from course_lib.ros import hidden_names, import_hints, near_names, syntax_hints
+from course_lib.ros import hidden_names, import_hints, near_names, syntax_hints, value_hints
 from course_lib.ros.messages.definitions import definition, type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
 from course_lib.ros.programs.packages import skipped_folder_reason, unavailable_reason
@@ -48,13 +45,6 @@ _HINTS = {
 # A function that calls itself more often than this repeats itself in the traceback of a
 # RecursionError.
 _FEW_CALLS = 20
-# The hint for None in a field of text, and in one of a number.
-_NONE_VALUE = (
-    "this is None: is it a parameter without a value, or a function that returns nothing?",
-    "this is None: does the function that created it return something?",
-)
-# Messages of a few numbers.
-_NUMBERS_OF = {"Point": "xyz", "Vector3": "xyz", "Quaternion": "xyzw", "ColorRGBA": "rgba"}
 # The table of attributes that rclpy lacks, whose patterns match "rclpy.time.Time.now".
 _OF_RCLPY = "OfRclpy"
 
@@ -115,12 +105,12 @@ def _find_hint(error: BaseException) -> str:
         or _request_hint(error)
         or _future_hint(error)
         or _base_class_hint(error)
-        or _list_hint(error, text)
-        or _append_hint(error, text)
+        or value_hints.list_hint(error, text)
+        or value_hints.append_hint(error, text)
         or _number_loop_hint(error)
         or _pair_hint(error, text)
         or _program_arguments_hint(error)
-        or _value_hint(error, text)
+        or value_hints.value_hint(error, text)
         or _skipped_interfaces_hint(error)
         or _table_hint(error, text)
         or _missing_value_hint(error, text)
@@ -239,113 +229,6 @@ def _rclpy_attribute_hint(error: BaseException) -> str:
         for one in _HINTS[_OF_RCLPY] if owner.startswith("rclpy") else ():
             if re.search(one.text, f"{owner}.{name}"):
                 return one.hint
-    return ""
-
-
-def _value_hint(error: BaseException, text: str) -> str:
-    """Return the hint for a field that is set to a value of another type, or "".
-
-    ROS's error text states the type that the field needs, but not the value.
-    """
-    frame = near_names.frame_of(error)
-    match = re.search(r"field must be (?:of type|a sub message of type) '(\w+)'", text)
-    if frame is None or match is None or "value" not in frame.f_locals:
-        return ""
-    value, kind = frame.f_locals["value"], match[1]
-    name = type(value).__name__
-    is_number = kind in ("float", "int")
-    if value is None and (is_number or kind == "str"):
-        return _NONE_VALUE[is_number]
-    if isinstance(value, Mapping) and (is_number or kind == "str"):
-        return f"this is a dictionary: take one of its values, like [{next(iter(value), 'key')!r}]."
-    if isinstance(value, type) and kind != "str":
-        return f"this is the class {value.__name__}: create an object, with `{value.__name__}()`."
-    if isinstance(value, FunctionType | MethodType | BuiltinFunctionType):
-        return f"this is the function {value.__name__}, which is not called: are its ( ) missing?"
-    if is_number and (found := _number_hint(value, kind, text)):
-        return found
-    if found := _whole_number_hint(value, kind, near_names.line_of_student(error)):
-        return found
-    if name == "Parameter":
-        return "this is a parameter: read its value, `self.get_parameter('a_name').value`."
-    if name == "ParameterValue":
-        return "this holds any type. The parameter's own value is `self.get_parameter('a_name').value`."
-    if hasattr(type(value), "get_fields_and_field_types"):
-        fields = type(value).get_fields_and_field_types()
-        fitting = [one for one, of in fields.items() if of.rpartition("/")[2] == kind]
-        if fitting:
-            return f"this is a {name}: take its field {fitting[0]}."
-        if is_number and fields:
-            return f"this is a {name}: take one of its fields, {join_words(list(fields))}."
-        if set(fields) == {"x", "y", "z"} and kind in ("Point", "Vector3"):
-            return f"this is a {name}: `{kind}(x=v.x, y=v.y, z=v.z)` has its numbers, where v is the {name}."
-        return ""
-    return _nested_message_hint(value, kind, re.match(r"The '(\w+)' field", text))
-
-
-def _nested_message_hint(value: object, kind: str, field: re.Match[str] | None) -> str:
-    """Return the hint for a field of a message type that is set to plain values, or "".
-
-    The hint contains the student's values.
-    """
-    if kind == "Header" and isinstance(value, str):
-        frame = value if re.fullmatch(r"[\w/]{1,40}", value) else "map"
-        return f"a header has a stamp and a frame: `message.header.frame_id = {frame!r}`."
-    items: Any = value.ravel() if isinstance(value, np.ndarray) else value
-    numbers: list[Any] = list(items) if isinstance(items, list | tuple | np.ndarray) else [items]
-    names = _NUMBERS_OF.get(kind, "")
-    if len(numbers) == len(names) and isinstance(value, list | tuple | np.ndarray):
-        items_of = ", ".join(f"{name}=numbers[{index}]" for index, name in enumerate(names))
-        by_index = f"create one, with named fields: `{kind}({items_of})`, where numbers is the list."
-    else:
-        by_index = ""
-    are_short = all(
-        isinstance(one, int | float | np.integer | np.floating) and -1000 < one < 1000 for one in numbers
-    )
-    if not numbers or not are_short:
-        return by_index
-    if len(numbers) == 1 and kind in ("Vector3", "Point") and field is not None and field[1] != "scale":
-        return f"a {kind} has three numbers. Set one of them: {field[1]}.x = {float(numbers[0])!r}."
-    if len(numbers) == 1 and kind == "Vector3":
-        numbers *= 3
-    if kind == "ColorRGBA" and len(numbers) == 3:
-        numbers.append(1.0)
-    texts = [repr(float(one)) for one in numbers]
-    # Computed values have many digits.
-    if len(numbers) != len(names) or max(map(len, texts)) > len("-10.25"):
-        return by_index
-    arguments = ", ".join(f"{name}={text}" for name, text in zip(names, texts, strict=True))
-    return f"create one, with named fields: `{kind}({arguments})`."
-
-
-def _number_hint(value: object, kind: str, text: str) -> str:
-    """Return the hint for a number field that is set to a number-like value, such as a string, or ""."""
-    name = type(value).__name__
-    if isinstance(value, tuple) and all(isinstance(one, int | float) for one in value):
-        if len(value) == 1:
-            return "remove the comma at the end of the line: it makes a tuple of one item."
-        if len(value) > 2 or not all(isinstance(one, int) for one in value):
-            return f"this is {len(value)} numbers, {value!r}, and the field takes one: select it, like [0]."
-        return f"this is {len(value)} numbers, {value!r}: a decimal number has a point, 0.8, not a comma."
-    if isinstance(value, np.generic):
-        return f"this is the {name} of numpy: convert it with {kind}(…)."
-    if isinstance(value, str) and not re.search("'(type|action)' field", text):
-        return f"this is the string {value!r}: remove the quotes, or convert it with {kind}(…)."
-    if isinstance(value, list | np.ndarray) and np.size(value) != 1:
-        return f"this is a list of {len(value)} items, and the field takes one: select it, like [0]."
-    if isinstance(value, list | np.ndarray | complex):
-        return f"this is of type {name}, and the field takes one number: print it."
-    return ""
-
-
-def _whole_number_hint(value: object, kind: str, line: str) -> str:
-    """Return the hint for a line that rounds a float field's value with // or int( ), or ""."""
-    if kind != "float" or not isinstance(value, int):
-        return ""
-    if "//" in line:
-        return "// rounds down to a whole number: / divides with the fraction."
-    if match := re.search(r"\b(int|round)\(", line):
-        return f"{match[1]}( ) makes a whole number, without the fraction: leave it out."
     return ""
 
 
@@ -678,80 +561,6 @@ def _request_hint(error: BaseException) -> str:
     ]
     arguments = ", ".join(simple) if len(simple) == len(fields) else ""
     return f"pass a request, with (): `{service.__name__}.Request({arguments})`."
-
-
-def _list_hint(error: BaseException, text: str) -> str:
-    """Return the hint for an array field that is set to a value of another type, or "".
-
-    ROS's error text does not contain the passed value.
-    """
-    frame = near_names.frame_of(error)
-    if frame is None or "value" not in frame.f_locals:
-        return ""
-    value = frame.f_locals["value"]
-    # A constructor converts the value to an array, whose error is the one of a single item.
-    is_converted = frame.f_code.co_name == "pack" and "must be real number" in text
-    if "must be a set or sequence" not in text and not is_converted:
-        return ""
-    if isinstance(value, Mapping):
-        return "this is a dictionary, and the field takes a list: list its values in the right order."
-    if value is None:
-        return "this is None: append() and other methods that change a list return None."
-    if isinstance(value, str | int | float):
-        return f"this is one value, {value!r}, and the field takes several: put them into a list, in [ ]."
-    if isinstance(value, np.ndarray) and value.ndim != 1:
-        return (
-            f"this is an array of {value.ndim} dimensions, and the field takes one: `matrix.ravel()` is flat."
-        )
-    if isinstance(value, Iterable) and not isinstance(value, Collection):
-        return f"this is of type {type(value).__name__}, which is not a list: put it into list( )."
-    item_type = "each value of type 'float'" if is_converted else text
-    items = list(value) if isinstance(value, Sequence | np.ndarray) else []
-    return next(
-        (hint for index, item in enumerate(items) if (hint := _item_hint(index, item, item_type))), ""
-    )
-
-
-def _item_hint(index: int, item: Any, text: str) -> str:
-    """Return the hint for an item that does not belong into an array field, or "".
-
-    The text of the error contains the type of the items.
-    """
-    plain_type = re.search(r"each value of type '(float|int|str|bool)'", text)
-    if plain_type is None and isinstance(item, FunctionType | MethodType | BuiltinFunctionType):
-        return f"item {index} is the function {item.__name__}, which is not called: are its ( ) missing?"
-    if plain_type is None and item is None:
-        return f"item {index} is None: does the function that created it end with a return?"
-    if plain_type is not None and plain_type[1] == "int":
-        limits = re.search(r"in \[(-?\d+), (\d+)\]", text)
-        if isinstance(item, int | np.integer):
-            if limits and not int(limits[1]) <= item <= int(limits[2]):
-                return f"item {index} of the list is {item}, outside of {limits[1]} to {limits[2]}."
-            return ""
-        if isinstance(item, float | np.floating):
-            return f"item {index} of the list is {float(item)}, with a point: write int(…) or round(…)."
-    if item is None or (isinstance(item, str) and "'str'" not in text):
-        noun = "a message" if plain_type is None else "a text" if plain_type[1] == "str" else "a number"
-        return f"item {index} of the list is {item!r}, not {noun}."
-    # A point that is three numbers is not a list in the list.
-    is_nested = isinstance(item, list | tuple | np.ndarray)
-    if is_nested and (plain_type or not all(isinstance(one, int | float) for one in item)):
-        return f"item {index} is a list in the list: does it have [ ] of its own, or is a * missing?"
-    return ""
-
-
-def _append_hint(error: BaseException, text: str) -> str:
-    """Return the hint for several numbers added to a field of numbers in one step, or ""."""
-    if not isinstance(error, TypeError):
-        return ""
-    line = near_names.line_of_student(error)
-    if "must be real number, not list" in text and re.search(r"\.append\(\s*\[", line):
-        return "append adds one number. To set all of them, write = and the list; extend adds them."
-    if "can only extend array with array" in text:
-        return (
-            "a field of numbers is an array: extend adds a list to it, `state.position.extend([0.1, 0.2])`."
-        )
-    return ""
 
 
 def _number_loop_hint(error: BaseException) -> str:

@@ -251,6 +251,10 @@ SURE = Task(
                 .titled("where nothing is detected, nothing is left")
                 .requiring(A_BOX)
                 .worth(0.5),
+                expect_topic(MARKERS, ARRAY, at_most=3)
+                .titled("one MarkerArray for each message")
+                .requiring(A_BOX)
+                .worth(0.25),
                 at=1.0,
             ),
         ),

@@ -243,6 +243,8 @@ def test_hint_for_a_part_of_a_value_precedes_that_of_its_kind() -> None:
         ("def half(x):\n    print(x / 2)", "print shows a value, and return gives it to the caller."),
         ("def half(x):\n    return viewer.save_rviz(x)", "viewer.save_rviz(…) returns nothing."),
         ("def half(x):\n    y = x / 2", "is there a return?"),
+        ("def half(x):\n    def inner():\n        return x / 2", "the lines of def inner run only when"),
+        ("def half(x):\n    return own(x)\n\ndef own(x):\n    x / 2", "own has no return with a value."),
     ],
 )
 def test_cause_of_a_missing_return_value_is_reported(source: str, sentence: str) -> None:

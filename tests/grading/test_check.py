@@ -326,3 +326,13 @@ def test_call_of_a_check_that_only_requires_a_failed_one_is_not_shown() -> None:
     result = TaskResult(task.id, "T", 1.0, False, outcomes)
     evidence = Evidence(task.id, "public", 1.0)
     assert call_note(task, result, [evidence]) == ["The first failed check calls f(2)"]
+
+
+def test_object_of_another_task_is_reported(
+    red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    check("week01.half", red_cube())
+    assert (
+        'Hint: RedCubeNode belongs to another task. Write: check("week01.half", half)'
+        in capsys.readouterr().out
+    )

@@ -294,6 +294,28 @@ RIGHT = [
 ]
 
 
+SLIPS += [
+    (
+        ("return math.sin(math.degrees(self.angle))",),
+        '"math.sin(math.degrees(self.angle))": sin takes radians',
+    ),
+    (
+        ("yaw = self.angle + 90", "return yaw"),
+        '"self.angle + 90": angles are in radians here, and 90° is math.pi',
+    ),
+    (("return angle % 360.0",), '"angle % 360.0": angles are in radians here, and 360.0° is 2 * math.pi'),
+    (("x = 1 / 3", "return round(x, 1), x"), '"round(x, 1)" leaves out digits: return the number itself'),
+    (
+        ("marker = Marker()", "lifetime = Duration(seconds=1.0)", "self.p.publish(marker)"),
+        '"lifetime = Duration(seconds=1.0)" sets a variable that nothing reads: is marker.lifetime meant?',
+    ),
+    (
+        ("threading.Thread(target=self.paint).start()",),
+        '"threading.Thread(target=self.paint)" calls its function once, by the wall clock.',
+    ),
+]
+
+
 @pytest.mark.parametrize(("lines", "sentence"), SLIPS)
 def test_slip_is_reported(lines: tuple[str, ...], sentence: str) -> None:
     assert find_slip(method(*lines)).startswith(sentence)
@@ -555,3 +577,32 @@ def test_solution_has_no_slip(week: str) -> None:
 @pytest.mark.parametrize("source", ["", "class A(", "x = 1\n" * 10, "def f():\n" + "    " * 200 + "pass"])
 def test_code_that_is_not_python_has_no_slip(source: str) -> None:
     assert find_slip(source) == ""
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ("return True", "change returns True, and ROS expects a SetParametersResult"),
+        ("rate = parameters[0].value", "parameters[0] is only the first parameter of a call"),
+    ],
+)
+def test_parameter_callback_with_a_wrong_result_or_one_parameter_is_reported(
+    line: str, sentence: str
+) -> None:
+    source = method("self.add_on_set_parameters_callback(self.change)")
+    result = "return SetParametersResult(successful=True)"
+    source += f"\n    def change(self, parameters):\n        {line}\n        {result}\n"
+    assert find_slip(source).startswith(sentence)
+
+
+@pytest.mark.parametrize(("call", "is_slip"), [("swing(angle, size)", True), ("swing(size, angle)", False)])
+def test_arguments_in_another_order_than_the_parameters_are_reported(call: str, is_slip: bool) -> None:
+    source = f"def move(size, angle):\n    return {call}\n\ndef swing(size, angle):\n    return size * angle"
+    expected = f'"{call}" passes its values in another order than def swing(size, angle).' if is_slip else ""
+    assert find_slip(source) == expected
+
+
+def test_loop_of_a_function_that_never_spins_its_node_is_reported() -> None:
+    loop = "def main():\n    node = Node('lamp')\n    while rclpy.ok():\n        publisher.publish(marker)"
+    assert find_slip(loop).startswith('"while rclpy.ok()" in main never ends')
+    assert find_slip(f"{loop}\n        rclpy.spin_once(node, timeout_sec=1.0)") == ""

@@ -432,6 +432,8 @@ def run_in_this_process(
         except KeyboardInterrupt as interrupt:
             if not dog.has_fired:
                 raise
+            # The next interrupt would end the check itself.
+            dog.stop()
             stopped = "time"
             line = loop_of_traceback(interrupt.__traceback__) or dog.line
             outcome.errors.append(still_running_message(wall_limit, line))

@@ -357,4 +357,18 @@ NODES = [
         "rclpy itself calls get_name() and get_namespace() of a node, which return strings: choose "
         "another name for your method.",
     ),
+    (
+        "node.get_logger().loginfo('text')",
+        "AttributeError: 'RcutilsLogger' object has no attribute 'loginfo'",
+        "the logger has debug, info, warning, error and fatal: `self.get_logger().info('text')`.",
+    ),
+    (
+        "class Robot(Node):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('robot')\n"
+        "        self.clock.now()\n"
+        "Robot()",
+        "AttributeError: 'Robot' object has no attribute 'clock'",
+        "did you mean `self.get_clock()`?",
+    ),
 ]

@@ -89,4 +89,10 @@ PARAMETERS = [
         "set_parameters calls this callback again: leave it out. The parameter has its new value "
         "when the callback has returned `SetParametersResult(successful=True)`.",
     ),
+    (
+        "node.declare_parameters('', ['speed', 'frame_id'])",
+        "TypeError: Invalid parameter tuple length at index 0 in parameters list: speed; expecting length "
+        "between 1 and 3",
+        "each parameter is a pair: `self.declare_parameters('', [('speed', 1.0), ('frame_id', 'map')])`.",
+    ),
 ]

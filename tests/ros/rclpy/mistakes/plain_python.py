@@ -712,6 +712,31 @@ PLAIN_PYTHON = [
         "math has `math.radians(90.0)` and math.degrees; deg2rad is in numpy.",
     ),
     (
+        "[].add(1.0)",
+        "AttributeError: 'list' object has no attribute 'add'",
+        "a list has append: `items.append(item)`.",
+    ),
+    (
+        "[1.0].length",
+        "AttributeError: 'list' object has no attribute 'length'",
+        "len(…) is the number of items.",
+    ),
+    (
+        "def size():\n    print(1.0, 2.0)\nx, y = size()",
+        "TypeError: cannot unpack non-iterable NoneType object",
+        "this is None: does each branch of the function that created it end with a return?",
+    ),
+    (
+        "raise",
+        "RuntimeError: No active exception to reraise",
+        "raise alone repeats an error inside except. Delete the line if it is left over from the exercise.",
+    ),
+    (
+        "raise NotImplemented('empty')",
+        "TypeError: 'NotImplementedType' object is not callable",
+        "delete the line with raise when your own lines are there.",
+    ),
+    (
         "next(iter([]))",
         "StopIteration",
         "next(…) found no further item: a for loop ends by itself, and `next(iter([]), None)` has a default.",
