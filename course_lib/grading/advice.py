@@ -167,7 +167,7 @@ class Advice:
             texts = [AFTER_AN_ERROR]
         elif causes[:1] == [SILENT]:
             hidden = caught.other if caught is not None else ""
-            own = hidden or _missing_call(code, result) or find_hidden_error(source)
+            own = _missing_call(code, result) or hidden or find_hidden_error(source)
             texts = [own or task.mistakes.get(SILENT) or _silence_hint(code), *texts]
         # Code that is stopped after its time has no other sign of the cause.
         too_long = bool(result.errors) and "is it an endless loop?" in result.errors[0]

@@ -11,6 +11,7 @@ from typing import Any, Self
 
 from course_lib.grading.run.outcome import describe
 from course_lib.grading.slips import parse
+from course_lib.ros.graph.graph import START_NS, current_graph
 from course_lib.ros.tracebacks import is_own
 
 # Catching these classes catches mistakes in the code as well.
@@ -18,6 +19,13 @@ _ALL_ERRORS = {"Exception", "BaseException"}
 # Errors that are mistakes in the code. Others may be expected: a lookup of a transform that has not
 # arrived, or math.acos of a number above 1.
 _MISTAKES = (NameError, AttributeError, TypeError, ImportError, AssertionError)
+
+
+def _is_late() -> bool:
+    """Return whether more than half of the scenario is over, or no scenario runs."""
+    graph = current_graph()
+    end_ns = graph.end_ns
+    return end_ns is None or 2 * graph.now_ns > START_NS + end_ns
 
 
 @dataclass(frozen=True)
@@ -44,7 +52,8 @@ class CaughtErrors:
     """The errors that a student's handlers hide while the `with` block runs.
 
     `mistake` names the first mistake in the code that a handler of every error hides, and `other`
-    the last one of all other errors; both are "" if there is none.
+    the last one of all other errors, if it is in the second half of a scenario: at the beginning
+    the transforms have not arrived yet. Both are "" if there is none.
 
     Python's trace function reports each error where it is raised, before a handler sees it. Tracing
     takes time, so only code with a handler is traced.
@@ -90,7 +99,7 @@ class CaughtErrors:
         error.__traceback__ = before
         if handler.catches_all and isinstance(error, _MISTAKES):
             self.mistake = text
-        else:
+        elif _is_late():
             self.other = text
 
 

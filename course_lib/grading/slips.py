@@ -55,7 +55,6 @@ def function_slips(function: Function, attributes: set[str]) -> Iterator[str]:
     yield from _lost_factors(function)
     yield from _shared_defaults(function)
     yield from _lost_results(function)
-    yield from _unused_fields(function)
     yield from _endless_loops(function)
     if function.args.args[:1] and function.args.args[0].arg == "self":
         yield from _blocking_calls(function)
@@ -67,6 +66,7 @@ def function_slips(function: Function, attributes: set[str]) -> Iterator[str]:
         yield from _reset_attributes(function)
     yield from _other_files(function)
     yield from _lost_locals(function, attributes)
+    yield from _unused_fields(function)
     yield from _plain_strings(function)
 
 

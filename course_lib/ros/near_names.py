@@ -458,8 +458,8 @@ def attribute_hint(error: AttributeError) -> str:
             *(name for base in own_classes for name in vars(base)),
         ]
         methods = [name for name in public_attributes(cls) if callable(getattr(cls, name, None))]
-        if (getter := f"get_{error.name}") in methods and error.name not in attributes:
-            return f"did you mean `self.{getter}()`?"
+        if error.name in ("clock", "logger") and f"get_{error.name}" in methods:
+            return f"did you mean `self.get_{error.name}()`?"
         names = [name for name in [*attributes, *methods] if not name.startswith("_")]
     else:
         names = public_attributes(error.obj)

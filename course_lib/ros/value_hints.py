@@ -35,7 +35,7 @@ def value_hint(error: BaseException, text: str) -> str:
     value, kind = frame.f_locals["value"], match[1]
     name = type(value).__name__
     is_number = kind in ("float", "int")
-    if value is None:
+    if value is None and (is_number or kind == "str" or kind in _NUMBERS_OF):
         return _NONE_VALUE[kind != "str"]
     if isinstance(value, Mapping) and (is_number or kind == "str"):
         return f"this is a dictionary: take one of its values, like [{next(iter(value), 'key')!r}]."
