@@ -104,7 +104,7 @@ class Progress:
     changed: bool = False
 
     @property
-    def tasks(self) -> str:
+    def task_count(self) -> str:
         """The number of finished tasks, like "2 of 4 tasks"; "" without tasks."""
         count = len(self.done) + len(self.open)
         return f"{len(self.done)} of {count} tasks" if count else ""
@@ -156,7 +156,7 @@ def _row(week: Week, state: State) -> str:
         f"{week.minutes}",
         f"[{week.exercise}]({week.exercise})" if week.exercise else "",
         FAULTY if week.is_faulty else f"{deadline:%d %B %Y, %H:%M}" if deadline else "",
-        progress(week, state).tasks,
+        progress(week, state).task_count,
     )
     return f"| {' | '.join(cells)} |"
 
@@ -199,7 +199,7 @@ def _cells(week: Week, so_far: Progress, now: datetime, zone: ZoneInfo) -> tuple
         return (week.title, "", "", "", FAULTY)
     points = f"{so_far.points:g} of {sum(week.settings.points.values()):g}"
     packed_at = f"{so_far.packed.astimezone(zone):%d %b %H:%M}" if so_far.packed else "not yet"
-    return (week.title, so_far.tasks, points, packed_at, _due(week.settings.deadline, now, zone))
+    return (week.title, so_far.task_count, points, packed_at, _due(week.settings.deadline, now, zone))
 
 
 def _due(deadline: datetime | None, now: datetime, zone: ZoneInfo) -> str:

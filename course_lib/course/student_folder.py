@@ -124,9 +124,9 @@ def _refresh(folder: Path) -> Refresh:
     return Refresh(tuple(added), tuple(updated), tuple(beside))
 
 
-def _write(newest: Path, place: Path) -> None:
+def _write(source: Path, target: Path) -> None:
     # A partial file would count as one that the student has edited.
-    write_atomically(place, read_bytes(newest))
+    write_atomically(target, read_bytes(source))
 
 
 def _free_name(path: Path) -> Path:

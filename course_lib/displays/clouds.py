@@ -294,7 +294,7 @@ class CloudDisplay(TopicDisplay):
         self._new_clouds: list[Cloud] = []
         self._displayed: list[DisplayedCloud] = []
         self._is_stale = False
-        self._number = 0
+        self._cloud_count = 0
 
     def on_changed(self, label: str) -> None:
         """Redraw all clouds in the next frame, if the property affects the drawing."""
@@ -340,8 +340,8 @@ class CloudDisplay(TopicDisplay):
         return bool(age > self["Decay Time"] or not self["Decay Time"])
 
     def _show(self, cloud: Cloud) -> None:
-        self._number += 1
-        displayed = DisplayedCloud(cloud, f"{self.path}/clouds/{self._number}")
+        self._cloud_count += 1
+        displayed = DisplayedCloud(cloud, f"{self.path}/clouds/{self._cloud_count}")
         self._displayed.append(displayed)
         self.context.scene.set_transform(displayed.path, cloud.transform_cloud_to_fixed)
         self._draw(displayed)

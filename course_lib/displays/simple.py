@@ -498,14 +498,14 @@ class JointEffort:
     transform_to_fixed: Matrix  # shape (4, 4)
 
     @property
-    def share(self) -> float:
+    def fraction(self) -> float:
         """The effort as a fraction of its limit (the effort itself without one), plus a minimum."""
-        share = min(abs(self.effort) / self.limit, 1.0) if self.limit else abs(self.effort)
-        return share + _MIN_EFFORT
+        fraction = min(abs(self.effort) / self.limit, 1.0) if self.limit else abs(self.effort)
+        return fraction + _MIN_EFFORT
 
     def draw(self, scale: float, width: float) -> tuple[Floats, Matrix]:
         """Return the points of the circle in the fixed frame, shape (30, 3), and the placement of its tip."""
-        radius, sign = _MIN_EFFORT + self.share * scale / 2, -1 if self.effort < 0 else 1
+        radius, sign = _MIN_EFFORT + self.fraction * scale / 2, -1 if self.effort < 0 else 1
         arc = np.column_stack([sign * np.sin(_EFFORT_ARC), np.cos(_EFFORT_ARC), 0 * _EFFORT_ARC]) * radius
         circle = arc @ self.transform_to_fixed[:3, :3].T + self.transform_to_fixed[:3, 3]
         along, side = (ALONG_MINUS_X, -1) if self.effort > 0 else (ALONG_X, 1)
@@ -578,7 +578,7 @@ class EffortDisplay(DrawnDisplay):
         drawables: dict[str, Drawable] = {}
         for index, efforts in enumerate(self.kept):
             for name in (name for name in efforts if self[f"Joints/{name}"]):
-                rgba = (*rainbow([efforts[name].share])[0], 1.0)
+                rgba = (*rainbow([efforts[name].fraction])[0], 1.0)
                 circle, tip = efforts[name].draw(scale, width)
                 node = f"{index} {node_name(name)}"
                 drawables[f"{node} circle"] = Lines(circle, rgba, width)

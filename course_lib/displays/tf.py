@@ -264,8 +264,8 @@ def _fade(color: Matrix, age: float) -> Matrix:
     return fading
 
 
-# The number of ways to match a name from which on an expression is rejected; trying a million takes
-# a tenth of a second.
+# An expression with at least this many ways to match a name is rejected; trying a million takes a
+# tenth of a second.
 _MOST_WAYS = 10**7
 # The length of a long name, which limits repetitions.
 _LONG_NAME = 50

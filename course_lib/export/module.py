@@ -123,7 +123,7 @@ def statements(cells: Sequence[Cell]) -> list[Statement]:
                 f"Cell {cell.number}, line {error.lineno}: {error.msg}. Correct it first."
             ) from error
         for node, text in _split_imports(cell.source, nodes):
-            now, later = _needs(text)
+            now, later = _required_names(text)
             bindings, changes = frozenset(bound_names(node)), frozenset(mutated_names(node))
             if isinstance(node, ast.AugAssign):
                 now |= bindings
@@ -201,8 +201,8 @@ def mutated_names(node: ast.stmt) -> Iterator[str]:
             yield inner.id
 
 
-def _needs(text: str) -> tuple[frozenset[str], frozenset[str]]:
-    """Return the names that code needs when it runs, and when its functions are called."""
+def _required_names(text: str) -> tuple[frozenset[str], frozenset[str]]:
+    """Return the names that code requires when it runs, and when its functions are called."""
     now, later = set[str](), set[str]()
 
     def look(table: symtable.SymbolTable, names: set[str]) -> None:

@@ -457,7 +457,7 @@ class Gateway:
             self._bridge.run(seconds)
 
     def stop(self, older_than: float = 0.0) -> None:
-        """Send a stop on each topic that moves the robot.
+        """Send a stop command on each topic that moves the robot.
 
         Args:
             older_than: Topics with a newer command are left alone [s]. With SILENCE, call it every

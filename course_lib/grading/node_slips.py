@@ -132,7 +132,7 @@ def _unfilled_buffers(cls: ast.ClassDef) -> Iterator[str]:
         ):
             continue
         if not listeners:
-            yield f"Nothing puts transforms into {buffer}: create a listener in __init__, {call}."
+            yield f"{buffer} receives no transforms: create a listener in __init__, {call}."
         elif all(isinstance(listener.args[0], ast.Call) for listener in listeners if listener.args):
             yield f"{quote(listeners[0])} fills another buffer than {buffer}: write {call}."
 
@@ -293,11 +293,12 @@ def _fields_of(kind: str) -> frozenset[str]:
 
 
 def _generators(cls: ast.ClassDef) -> Iterator[str]:
-    """Yield a sentence for each callback that yields: a call of it runs none of its lines."""
+    """Yield a sentence for each callback that is a generator function, whose lines a call does not run."""
     for function in callbacks_of(cls):
         if any(isinstance(node, ast.Yield | ast.YieldFrom) for node in ast.walk(function)):
             yield (
-                f"yield makes {function.name} a generator, and a call runs none of its lines: leave it out."
+                f"yield makes {function.name} a generator, so that a call runs none of its lines: "
+                "leave yield out."
             )
 
 
@@ -338,8 +339,8 @@ def _uncalled_methods(cls: ast.ClassDef) -> Iterator[str]:
         )
         if sets_attribute and function.name not in used and not function.name.startswith(("__", "destroy_")):
             yield (
-                f"Nothing calls {function.name}: write self.{function.name}() where its lines are "
-                "to run, or pass it on, to create_timer, create_subscription or "
+                f"{function.name} is never called: write self.{function.name}() where its lines should "
+                "run, or pass it to create_timer, create_subscription or "
                 "add_on_set_parameters_callback."
             )
 
@@ -353,7 +354,7 @@ def _replaced_methods(cls: ast.ClassDef) -> Iterator[str]:
                 name in methods and not isinstance(value, ast.Lambda)
             ):
                 yield (
-                    f"{quote(node)} replaces the method {name}, which cannot be called after it: "
+                    f"{quote(node)} replaces the method {name}, which cannot be called any more: "
                     "choose another name for one of them."
                 )
 
@@ -366,7 +367,7 @@ def _repeated_timers(cls: ast.ClassDef) -> Iterator[str]:
         if "create_timer" in methods and not methods & {"destroy_timer", "cancel"}:
             yield (
                 f"create_timer is in {function.name}: each call creates another timer, and all of "
-                "them run. Create it once, in __init__, or end the old one first, with "
+                "them run. Create it once, in __init__, or destroy the old one first, with "
                 "destroy_timer."
             )
     callbacks: Counter[str] = Counter()

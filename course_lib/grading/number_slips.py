@@ -262,7 +262,7 @@ def _ends_with(node: ast.AST, field: str) -> bool:
 
 
 def _filtered_indices(function: Function) -> Iterator[str]:
-    """Yield a sentence for an index in a list of chosen beams that is used as the number of a beam."""
+    """Yield a sentence for an index in a list of selected beams that is used as the number of a beam."""
     if not any(_ends_with(node, "angle_increment") for node in ast.walk(function)):
         return
     chosen = set()
@@ -290,8 +290,8 @@ def _filtered_indices(function: Function) -> Iterator[str]:
                 continue
         if name in chosen and method in ("index", "argmin", "nanargmin"):
             yield (
-                f"{quote(node)} is an index in {name}, the chosen beams, and the angle needs the "
-                "index in all beams: enumerate(message.ranges) gives it with each distance."
+                f"{quote(node)} is an index in {name}, the selected beams, but the angle needs the "
+                "index in all beams: enumerate(message.ranges) yields it with each distance."
             )
 
 
@@ -342,7 +342,7 @@ def _covered_limits(function: Function) -> Iterator[str]:
                     if wider:
                         yield (
                             f"{quote(test)} is never true here, because {quote(wider[0])} before "
-                            "it ends the function for these numbers, too: the narrower one comes "
+                            "it already returns for these numbers: put the narrower condition "
                             "first."
                         )
                     if isinstance(statement.body[-1], ast.Return | ast.Raise | ast.Continue):

@@ -157,7 +157,7 @@ def _recreations(block: Sequence[ast.stmt]) -> Iterator[str]:
         name, kind = created_object(statement)
         if name:
             if is_filled.get(name):
-                yield f"{quote(statement)} creates a second {kind}: what was set before is in the first."
+                yield f"{quote(statement)} creates a second {kind}: the values set before are in the first."
             is_filled[name] = False
             continue
         for filled_name in list(is_filled):
@@ -220,7 +220,7 @@ def _late_assignments(block: Sequence[ast.stmt]) -> Iterator[str]:
         if name and created and later and not is_recreated:
             yield (
                 f"{quote(later[0])} comes after {quote(statement)}: a message is sent as it is "
-                "at that moment. Set everything before."
+                "at that moment. Set all its fields first."
             )
 
 
@@ -275,7 +275,7 @@ def _shared_lists(block: Sequence[ast.stmt], function: Function) -> Iterator[str
         if len(names) > 1:
             lists = ", ".join("[]" for _ in names)
             yield (
-                f"{quote(statement)} makes one list with {len(names)} names. "
+                f"{quote(statement)} creates one list with {len(names)} names. "
                 f"Write {', '.join(names)} = {lists}."
             )
 
@@ -297,8 +297,8 @@ def _late_settings(block: Sequence[ast.stmt]) -> Iterator[str]:
                 late.setdefault(name, statement)
     for name, statement in late.items():
         yield (
-            f"{quote(statement)} comes after {quote(saved[name])}: the file has what was set "
-            "before. Save at the end."
+            f"{quote(statement)} comes after {quote(saved[name])}: the file has only the "
+            "values set before. Save at the end."
         )
 
 
@@ -315,7 +315,7 @@ def _reused_objects(block: Sequence[ast.stmt]) -> Iterator[str]:
                 ):
                     yield (
                         f"{name} is a single {created[name]}, created before the loop: the list "
-                        "gets it again and again. Create it inside the loop."
+                        "contains the same object several times. Create it inside the loop."
                     )
 
 
@@ -342,7 +342,7 @@ def _shared_parts(block: Sequence[ast.stmt]) -> Iterator[str]:
             if name in filled - inside:
                 yield (
                     f"{name} is a single {created[name]}, created before the loop: the {part} of "
-                    "each item is this one, with the last values. Create it inside the loop."
+                    "each item is this object, with the last values. Create it inside the loop."
                 )
 
 
@@ -453,8 +453,8 @@ def _blocking_calls(function: Function) -> Iterator[str]:
                 func=ast.Attribute(attr="wait_for_service" | "wait_for_server"), args=[], keywords=[]
             ) if function.name != "__init__":
                 yield (
-                    f"{quote(node)} in {function.name} stops the whole node until the other one is "
-                    "there: ask service_is_ready() or server_is_ready(), and return if it is not."
+                    f"{quote(node)} in {function.name} stops the whole node until the server is "
+                    "available: call service_is_ready() or server_is_ready(), and return if it is False."
                 )
             case ast.Call(
                 func=ast.Attribute(
@@ -463,8 +463,8 @@ def _blocking_calls(function: Function) -> Iterator[str]:
                 | ast.Name(id="spin_for" | "run_live")
             ):
                 yield (
-                    f"{quote(node.func)} in {function.name} waits for callbacks while the node is "
-                    "busy with this one: leave it out, the node is spun from outside."
+                    f"{quote(node.func)} in {function.name} waits for callbacks, which cannot run "
+                    "before this one returns: leave it out, because the node is already spinning."
                 )
 
 
@@ -482,8 +482,8 @@ def _lost_counts(function: Function) -> Iterator[str]:
                 name not in shared and not any(uses(later, name) for later in function.body[index + 1 :])
             ):
                 yield (
-                    f"{quote(statement)} changes a variable that ends with {function.name}, and "
-                    f"the next call begins again: keep the value in self.{name}."
+                    f"{quote(statement)} changes a local variable of {function.name}, which "
+                    f"starts anew in the next call: keep the value in self.{name}."
                 )
 
 
@@ -513,7 +513,7 @@ def _reset_attributes(function: Function) -> Iterator[str]:
                 case _:
                     continue
             yield (
-                f"{quote(statement)} in {function.name} resets it in each call, so that the value "
+                f"{quote(statement)} in {function.name} runs in each call, so that the value "
                 "of the earlier call is lost: set it once, in __init__."
             )
             break
@@ -527,8 +527,8 @@ def _waiting_loops(function: Function) -> Iterator[str]:
                 continue
             case ast.While(test=test, body=body) if all(map(_only_waits, body)):
                 yield (
-                    f'"while {ast.unparse(test)}" in {function.name} waits for messages, and the node '
-                    "receives none before the method ends: ask once, with if, and return if it is too early."
+                    f'"while {ast.unparse(test)}" in {function.name} waits for messages, but the node '
+                    "receives none before the method ends: check once, with if, and return if it is too early."
                 )
 
 
@@ -669,7 +669,7 @@ def _other_files(function: Function) -> Iterator[str]:
             case ast.Call(
                 func=ast.Attribute(attr="read_text", value=ast.Call(args=[ast.Constant(value=str(name))]))
             ) if saved and name not in saved:
-                yield f"The layout is saved as {saved[0]}, and the text is that of {name}: use one name."
+                yield f"The layout is saved as {saved[0]}, but the text is read from {name}: use one name."
 
 
 def _empty_results(function: Function) -> Iterator[str]:
@@ -709,7 +709,7 @@ def _odd_operators(function: Function) -> Iterator[str]:
                 ops=[ast.Is() | ast.IsNot() as operator], comparators=[ast.Constant(value=value)]
             ) if isinstance(value, str | int | float) and not isinstance(value, bool):
                 sign = "==" if isinstance(operator, ast.Is) else "!="
-                yield f"{quote(node)} tests whether both are one object: compare values with {sign}."
+                yield f"{quote(node)} tests whether both are the same object: compare values with {sign}."
 
 
 def _constant_conditions(function: Function) -> Iterator[str]:
@@ -743,7 +743,7 @@ def _constant_conditions(function: Function) -> Iterator[str]:
             ) if _number(low) > _number(high):
                 yield (
                     f"{quote(node)} is never true, because {ast.unparse(low)} is more than "
-                    f"{ast.unparse(high)}: the smaller limit comes first."
+                    f"{ast.unparse(high)}: write the smaller limit first."
                 )
 
 
@@ -809,8 +809,8 @@ def _lost_locals(function: Function, attributes: set[str]) -> Iterator[str]:
     for node in names:
         if isinstance(node.ctx, ast.Store) and node.id in attributes - read_names:
             yield (
-                f"{node.id} = … in {function.name} sets a variable that ends with the method. To "
-                f"keep it, write self.{node.id} = …"
+                f"{node.id} = … in {function.name} sets a local variable, which is lost at the end "
+                f"of the method. To keep it, write self.{node.id} = …"
             )
 
 

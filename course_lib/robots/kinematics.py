@@ -104,7 +104,10 @@ def twist_jacobian(twist: Floats) -> Matrix:
 
 
 def _coefficients(angle: float) -> tuple[float, float]:
-    """Return the factors of the adjoint's square and fourth power, from x / 2 cot(x / 2) and its slope."""
+    """Return the factors of the adjoint's second and fourth power.
+
+    They follow from x / 2 cot(x / 2) and its derivative.
+    """
     # Near 0 the quotients lose digits, so the series are used.
     if angle < 0.1:
         return 1 / 12 - angle**4 / 30240, -1 / 720 - angle**2 / 15120

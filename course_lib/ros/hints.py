@@ -351,7 +351,7 @@ def _missing_value_hint(error: BaseException, text: str) -> str:
         return f"{start}: put it in ( ). To pass the function itself, write {name} without ()."
     if near_names.is_of_library(error, name):
         return f"{start}: put it in ( )."
-    return f"{start}. If check(…) makes the call, the function needs the names of the task."
+    return f"{start}. If check(…) makes the call, the function must take the arguments that the task names."
 
 
 def _callback_hint(error: BaseException) -> str:
@@ -369,7 +369,7 @@ def _callback_hint(error: BaseException) -> str:
     if is_called and isinstance(callback, int | float | list | tuple | dict):
         return (
             f"the callback is {callback!r:.40}, of type {type(callback).__name__}: is it an "
-            "attribute with the name of a method, or is the callback at another place in the call?"
+            "attribute with the name of a method, or is the callback another argument of the call?"
         )
     return ""
 
@@ -538,7 +538,9 @@ def _operand_hint(error: BaseException, text: str) -> str:
         types = [] if name in _OTHER_OPERANDS else _types_in_error(f"'{name}' object has no attribute")
         fields = [field.name for field in definition(types[0]).fields] if types else []
         if name == "ParameterValue":
-            return "this holds any type. The parameter's own value is `self.get_parameter('known').value`."
+            return (
+                "a ParameterValue can hold any type. The value itself is `self.get_parameter('known').value`."
+            )
         if len(fields) == 1:
             return f"one side is a message, {name}: use its field {fields[0]}."
         if fields and "between instances" not in text:

@@ -50,7 +50,7 @@ def value_hint(error: BaseException, text: str) -> str:
     if name == "Parameter":
         return "this is a parameter: read its value, `self.get_parameter('a_name').value`."
     if name == "ParameterValue":
-        return "this holds any type. The parameter's own value is `self.get_parameter('a_name').value`."
+        return "a ParameterValue can hold any type. The value itself is `self.get_parameter('a_name').value`."
     if hasattr(type(value), "get_fields_and_field_types"):
         fields = type(value).get_fields_and_field_types()
         fitting = [one for one, of in fields.items() if of.rpartition("/")[2] == kind]
@@ -106,16 +106,16 @@ def _number_hint(value: object, kind: str, text: str) -> str:
         if len(value) == 1:
             return "remove the comma at the end of the line: it makes a tuple of one item."
         if len(value) > 2 or not all(isinstance(one, int) for one in value):
-            return f"this is {len(value)} numbers, {value!r}, and the field takes one: select it, like [0]."
+            return f"this is {len(value)} numbers, {value!r}, but the field takes one: select it, like [0]."
         return f"this is {len(value)} numbers, {value!r}: a decimal number has a point, 0.8, not a comma."
     if isinstance(value, np.generic):
-        return f"this is the {name} of numpy: convert it with {kind}(…)."
+        return f"this is numpy's {name}: convert it with {kind}(…)."
     if isinstance(value, str) and not re.search("'(type|action)' field", text):
         return f"this is the string {value!r}: remove the quotes, or convert it with {kind}(…)."
     if isinstance(value, list | np.ndarray) and np.size(value) != 1:
-        return f"this is a list of {len(value)} items, and the field takes one: select it, like [0]."
+        return f"this is a list of {len(value)} items, but the field takes one: select it, like [0]."
     if isinstance(value, list | np.ndarray | complex):
-        return f"this is of type {name}, and the field takes one number: print it."
+        return f"this is of type {name}, but the field takes one number: print it."
     return ""
 
 

@@ -154,7 +154,7 @@ def box(x: float, y: float, z: float) -> Shape:
     size = np.array([check_number(f"{axis} [m] of a box", edge, above=0) for axis, edge in edges])
 
     def distances(origin: Floats, rays: Floats) -> Floats:
-        return _first_hit(*_between_walls(origin, rays, size / 2))
+        return _first_hit(*_slab_distances(origin, rays, size / 2))
 
     return Shape(size, float(np.linalg.norm(size)) / 2, distances)
 
@@ -176,7 +176,7 @@ def cylinder(radius: float, height: float) -> Shape:
 
     def distances(origin: Floats, rays: Floats) -> Floats:
         enter, leave = _within_radius(origin[:2], rays[:2], radius)
-        top, bottom = _between_walls(origin[2:], rays[2:], np.array([height / 2]))
+        top, bottom = _slab_distances(origin[2:], rays[2:], np.array([height / 2]))
         return _first_hit(np.maximum(enter, top), np.minimum(leave, bottom))
 
     return Shape(np.array([2 * radius, 2 * radius, height]), float(np.hypot(radius, height / 2)), distances)
@@ -193,7 +193,7 @@ def plane() -> Shape:
     return Shape(np.array([np.inf, np.inf, 0.0]), np.inf, distances)
 
 
-def _between_walls(origin: Floats, rays: Floats, half: Floats) -> tuple[Floats, Floats]:
+def _slab_distances(origin: Floats, rays: Floats, half: Floats) -> tuple[Floats, Floats]:
     """Return the distances at which rays enter and leave |x| <= half, in any number of dimensions."""
     # For a ray along a wall, 0 * inf is NaN, which fmin and fmax ignore.
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -347,7 +347,7 @@ def covered_samples(xy: Floats, size: tuple[int, int]) -> Iterator[CoveredSample
     triangle, y = _expand_ranges(low, high)
     slope, offset = _edges(xy)
     slope, offset = slope[triangle], offset[triangle, :, 0] + offset[triangle, :, 1] * (y[:, None] + 0.5)
-    # A coordinate is positive on one side of its zero.
+    # A barycentric coordinate is positive on one side of the edge on which it is zero.
     crossing = -offset / np.where(slope == 0, 1, slope)
     first = np.where(slope > 0, crossing, -np.inf).max(axis=1)
     last = np.where(slope < 0, crossing, np.inf).min(axis=1)

@@ -81,4 +81,4 @@ def test_faulty_week_table_makes_only_its_deadline_unknown(
 def test_status_outside_a_folder_prints_the_command_to_use(tmp_path: Path) -> None:
     with pytest.raises(CourseError, match="run course lab first"):
         progress.status(tmp_path)
-    assert progress.progress(load_weeks()[0], State(None)).tasks == ""
+    assert progress.progress(load_weeks()[0], State(None)).task_count == ""

@@ -22,12 +22,12 @@ def method(*lines: str) -> str:
 
 
 SLIPS = [
-    (("self.tick = 1",), '"self.tick = 1" replaces the method tick, which cannot be called after it'),
+    (("self.tick = 1",), '"self.tick = 1" replaces the method tick, which cannot be called any more'),
     (("return SetParametersResult()",), "SetParametersResult() rejects the values, without a reason"),
     (("period = 1 // self.rate", "return period"), '"1 // self.rate" is 0 for every number above 1'),
     (
         ("if self.name is 'map':", "    return 1"),
-        "\"self.name is 'map'\" tests whether both are one object: compare",
+        "\"self.name is 'map'\" tests whether both are the same object: compare",
     ),
     (("rclpy.spin_once(self)", "return 1"), '"rclpy.spin_once" in tick waits for callbacks'),
     (("count = 0", "++count", "print(count)"), '"++count" changes nothing: write count += 1'),
@@ -74,13 +74,13 @@ SLIPS = [
     ),
     (("time.sleep(1.0)", "self.p.publish(marker)"), "time.sleep in tick stops the whole node"),
     (("return 1", "self.angle = 2.0"), '"self.angle = 2.0" comes after "return 1" and never runs'),
-    (("angle = self.angle + 0.1",), "angle = … in tick sets a variable that ends with the method"),
+    (("angle = self.angle + 0.1",), "angle = … in tick sets a local variable, which is lost at the end"),
     (("share = (self.count - 1) // (b - a)", "return share"), '"(self.count - 1) // (b - a)" leaves out'),
     (("self.create_timer(1.0, lambda: self.tick)",), '"lambda: self.tick" does not call tick'),
     (("rate = 5", 'return """\na: {rate}\n"""'), "the string '{rate}' has names in { }"),
     (
         ("viewer.save_rviz('a.rviz')", "return Path('b.rviz').read_text()"),
-        "The layout is saved as a.rviz, and the text is that of b.rviz",
+        "The layout is saved as a.rviz, but the text is read from b.rviz",
     ),
     (
         ("while not self.buffer.can_transform('map', 'base', Time()):", "    pass", "return 1"),
@@ -117,7 +117,7 @@ SLIPS = [
     ),
     (
         ("a = b = []", "a.append(1)", "b.append(2)", "return a, b"),
-        '"a = b = []" makes one list with 2 names. Write a, b = [], [].',
+        '"a = b = []" creates one list with 2 names. Write a, b = [], [].',
     ),
     (
         ("viewer.save_rviz('a.rviz')", "viewer.view = Orbit()", "return viewer"),
@@ -140,7 +140,7 @@ SLIPS = [
     ),
     (
         ("color = ColorRGBA()", "for x in items:", "    color.r = x", "    marker.color = color"),
-        "color is a single ColorRGBA, created before the loop: the color of each item is this one",
+        "color is a single ColorRGBA, created before the loop: the color of each item is this object",
     ),
     (
         ("color = ColorRGBA()", "for x in items:", "    color.r = x", "    a.append(Marker(color=color))"),
@@ -151,14 +151,14 @@ SLIPS = [
         '"angle = math.radians(angle)" sets the variable of the loop, and degrees stays as it is. '
         "Write degrees = [math.radians(angle) for angle in degrees].",
     ),
-    (("steps = 0", "paint(steps)", "steps += 1"), '"steps += 1" changes a variable that ends with tick'),
+    (("steps = 0", "paint(steps)", "steps += 1"), '"steps += 1" changes a local variable of tick'),
     (
         ("self.angle = 0.0", "paint(self.angle)", "self.angle += 0.1"),
-        '"self.angle = 0.0" in tick resets it in each call',
+        '"self.angle = 0.0" in tick runs in each call',
     ),
     (
         ("self.angle = None", "before, self.angle = self.angle, 1.0", "return before"),
-        '"self.angle = None" in tick resets it in each call',
+        '"self.angle = None" in tick runs in each call',
     ),
     (("self.client.wait_for_service()",), '"self.client.wait_for_service()" in tick stops the whole node'),
     (
@@ -182,11 +182,11 @@ SLIPS = [
     ),
     (
         ("good = [d for d in ranges if d > low]", "return good.index(min(good)) * scan.angle_increment"),
-        '"good.index(min(good))" is an index in good, the chosen beams',
+        '"good.index(min(good))" is an index in good, the selected beams',
     ),
     (
         ("r = r[r > low]", "return np.argmin(r) * scan.angle_increment"),
-        '"np.argmin(r)" is an index in r, the chosen beams',
+        '"np.argmin(r)" is an index in r, the selected beams',
     ),
     (
         ("t = self.get_clock().now().nanoseconds / 1e9", "if t > 5.0:", "    return t"),
@@ -198,7 +198,7 @@ SLIPS = [
     ),
     (
         ("if x < 25:", "    return 1", "if x < 10:", "    return 2", "return 3"),
-        '"x < 10" is never true here, because "x < 25" before it ends the function',
+        '"x < 10" is never true here, because "x < 25" before it already returns',
     ),
     (
         ("for one in parameters:", "    if one == 'rate':", "        return one.value"),
@@ -324,10 +324,10 @@ def test_slip_is_reported(lines: tuple[str, ...], sentence: str) -> None:
 @pytest.mark.parametrize(
     ("listener", "sentence"),
     [
-        ("pass", "Nothing puts transforms into self.buffer: create a listener in __init__"),
+        ("pass", "self.buffer receives no transforms: create a listener in __init__"),
         ("TransformListener(Buffer(), self)", '"TransformListener(Buffer(), self)" fills another buffer'),
         ("TransformListener(self.buffer, self)", ""),
-        ("fill(self)", "Nothing puts transforms into self.buffer"),
+        ("fill(self)", "self.buffer receives no transforms"),
     ],
 )
 def test_buffer_without_a_listener_is_reported(listener: str, sentence: str) -> None:
@@ -507,7 +507,7 @@ def test_method_defined_twice_is_reported() -> None:
 def test_method_that_changes_the_node_and_is_never_called_is_reported() -> None:
     source = method("self.angle += 0.1") + "\n    def paint(self):\n        return 1\n"
     source = source.replace("self.angle = 0.0", "self.create_timer(1.0, self.paint)")
-    assert find_slip(source).startswith("Nothing calls tick: write self.tick() where its lines are to run")
+    assert find_slip(source).startswith("tick is never called: write self.tick() where its lines should run")
     assert find_slip(source.replace("return 1", "self.tick()")) == ""
     assert find_slip(source.replace("(Node)", "(Lamps)")) == ""
 

@@ -450,7 +450,7 @@ class Desk:
             self._session.after_frame.remove(self.refresh)
 
     def _on_order(self, content: Mapping[str, Any]) -> None:
-        """Execute an order of the page; an error is shown there."""
+        """Execute an order of the page. The page shows errors."""
         self._orders.notice = protocol.Notice()
         order: protocol.Order | None = None
         try:

@@ -176,7 +176,7 @@ class Analysis:
 
     @property
     def summary(self) -> str:
-        """A line about marks and times."""
+        """One line with the mean and median mark, and the processor times."""
         if not self.marks:
             return "No marks."
         spread = (

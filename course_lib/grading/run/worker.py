@@ -171,7 +171,7 @@ class Worker:
             os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
         except ChildProcessError:
             if not running_threads():
-                # Usually nothing is left running, so that no fork is needed to find out.
+                # The usual case: nothing is running, so no fork is needed as a test.
                 return False
         try:
             probe = os.fork()

@@ -639,7 +639,7 @@ def _own_id(text: str) -> str:
 
 
 def id_of(text: str) -> str:
-    """Derive an ID from a platform's name of a student, which may contain any characters."""
+    """Derive an ID from a student's name on a platform, which may contain any characters."""
     plain = unicodedata.normalize("NFKC", text)
     characters = "".join(char for char in plain if char.isalnum() or char in EXTRA_CHARACTERS).lstrip(
         EXTRA_CHARACTERS

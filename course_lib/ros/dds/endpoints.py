@@ -404,7 +404,7 @@ class Reader(OwnEndpoint[MatchedWriter]):
             self.on_data(sample._replace(data=partial.data.getvalue()))
 
     def _writer_of_new(self, sample: ReceivedSample) -> MatchedWriter | None:
-        """Return the matched writer of a message, or None if the message arrived before."""
+        """Return the matched writer of a message, or None for a duplicate or an unknown writer."""
         writer = self.matched.get(sample.writer)
         if writer is None:
             return None

@@ -74,7 +74,7 @@ class AbstractNestedType(AbstractType):
 
 @dataclass(frozen=True)
 class Array(AbstractNestedType):
-    """A fixed number of values."""
+    """An array of a fixed length."""
 
     size: int
 

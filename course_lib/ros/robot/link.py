@@ -27,8 +27,10 @@ SIMULATED_TIME = (
     "The robot publishes /clock: its time is simulated. Set use_sim_time to true here as well, or "
     "stamps and tf do not fit: -p use_sim_time:=true behind --ros-args, Viewer(use_sim_time=True)."
 )
-STOP_IS_DUE = "The link is down, and the robot may still move: it gets its stop when the link is back."
-NO_STOP = "The link is down: the robot has not got its stop. If it moves, use its emergency stop."
+STOP_IS_DUE = (
+    "The link is down, and the robot may still move: it receives a stop command when the link is back."
+)
+NO_STOP = "The link is down: the robot has not received a stop command. If it moves, use its emergency stop."
 # Limit on latched messages of a publisher or a subscription with history KEEP_ALL.
 KEEP_ALL_DEPTH = 1000
 EntityKind = Literal["node", "publisher", "subscription", "server", "client"]

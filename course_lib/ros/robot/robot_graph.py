@@ -652,7 +652,7 @@ class RobotGraph(Graph):
     def close_at_exit(self) -> None:
         """Close when Python exits.
 
-        Wait briefly for a lost link if the robot still needs its stop.
+        Wait briefly for a lost link if the robot still needs a stop command.
         """
         self.close()
         deadline = wall.monotonic() + EXIT_SECONDS

@@ -137,7 +137,7 @@ class BlockedTraffic:
 class StopCommand:
     """Publishes the commands of one publisher, and a zero velocity when commands are no longer published.
 
-    The link may lose a stop. A stop that no subscription received is sent again as soon as there is
+    The link may lose a stop command. One that no subscription received is sent again as soon as there is
     one.
     """
 
@@ -188,7 +188,7 @@ class StopCommand:
 
     @property
     def is_cut_off(self) -> bool:
-        """Whether the robot has not received its stop."""
+        """Whether the robot has not received the stop command."""
         return self.is_due and self._is_stop_lost
 
 
@@ -253,7 +253,7 @@ class OutgoingTraffic:
     def close(self, on_end: Callable[[], None]) -> None:
         """Stop the robot and publish nothing more.
 
-        `on_end` is called as soon as the robot has received its stop.
+        `on_end` is called as soon as the robot has received the stop command.
         """
         self._on_end = on_end
         self.stop()

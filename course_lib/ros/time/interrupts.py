@@ -34,7 +34,7 @@ A_MOMENT = 0.5
 KERNELS = "ipykernel.ipkernel"
 # Number of interrupts that are raised at the callback's current line.
 DIRECTLY = 2
-# Lines of the callback over which later interrupts are varied.
+# Later interrupts are raised after fewer than this many further lines of the callback.
 LINES = 7
 # As in a shell, the exit code after a signal is the sum of this and the signal's number.
 SIGNALED = 128

@@ -1,4 +1,4 @@
-"""Robot time behind the names of the standard library: `time`, sleeps, locks, threads and asyncio.
+"""Replacements of `time`, sleeps, locks, threads and asyncio that follow robot time.
 
 ROS programs are ordinary Python: they call `time.sleep`, start threads, wait for events and put
 messages into queues. Each such wait must be a wait for robot time, because a thread that blocks in

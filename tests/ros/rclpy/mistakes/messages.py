@@ -36,7 +36,7 @@ MESSAGES = [
     (
         "Marker().id = (1.0, 0.0, 0.0)",
         "AssertionError: The 'id' field must be of type 'int'",
-        "this is 3 numbers, (1.0, 0.0, 0.0), and the field takes one: select it, like [0].",
+        "this is 3 numbers, (1.0, 0.0, 0.0), but the field takes one: select it, like [0].",
     ),
     (
         "PoseStamped().header.seq",
@@ -301,12 +301,12 @@ MESSAGES = [
     (
         "import numpy as np\nMarker().scale.x = np.array([1.0])",
         "AssertionError: The 'x' field must be of type 'float'",
-        "this is of type ndarray, and the field takes one number: print it.",
+        "this is of type ndarray, but the field takes one number: print it.",
     ),
     (
         "Marker().scale.x = 1j",
         "AssertionError: The 'x' field must be of type 'float'",
-        "this is of type complex, and the field takes one number: print it.",
+        "this is of type complex, but the field takes one number: print it.",
     ),
     (
         "Point().append(1.0)",

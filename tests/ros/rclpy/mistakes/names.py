@@ -289,7 +289,7 @@ NAMES = [
     (
         "import numpy as np\nMarker().scale.x = np.float32(0.5)",
         "AssertionError: The 'x' field must be of type 'float'",
-        "this is the float32 of numpy: convert it with float(…).",
+        "this is numpy's float32: convert it with float(…).",
     ),
     (
         "q = quaternion_from_euler(0.0, 0.0, 1.0)",

@@ -267,7 +267,7 @@ NODES = [
         "rclpy.spin(Counter())",
         "TypeError: 'int' object is not callable",
         "the callback is 0, of type int: is it an attribute with the name of a method, or is the "
-        "callback at another place in the call?",
+        "callback another argument of the call?",
     ),
     (
         "class Counter(Node):\n"

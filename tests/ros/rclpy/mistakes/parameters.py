@@ -57,7 +57,7 @@ PARAMETERS = [
     (
         "node.declare_parameter('speed', 1.0)\nnode.get_parameter('speed').get_parameter_value() + 1",
         "TypeError: unsupported operand type(s) for +: 'ParameterValue' and 'int'",
-        "this holds any type. The parameter's own value is `self.get_parameter('known').value`.",
+        "a ParameterValue can hold any type. The value itself is `self.get_parameter('known').value`.",
     ),
     (
         "node.declare_parameter('frame', 'map')\nPoseStamped().header.frame_id = node.get_parameter('frame')",
@@ -69,7 +69,7 @@ PARAMETERS = [
         "value = node.get_parameter('frame').get_parameter_value()\n"
         "PoseStamped().header.frame_id = value",
         "AssertionError: The 'frame_id' field must be of type 'str'",
-        "this holds any type. The parameter's own value is `self.get_parameter('a_name').value`.",
+        "a ParameterValue can hold any type. The value itself is `self.get_parameter('a_name').value`.",
     ),
     (
         "node.declare_parameter('gain', 1.0)\n"

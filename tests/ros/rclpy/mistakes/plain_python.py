@@ -63,7 +63,7 @@ PLAIN_PYTHON = [
     (
         "from datetime import time as Time\nTime.from_msg(None)",
         "AttributeError: type object 'datetime.time' has no attribute 'from_msg'",
-        "this is the time of datetime. `from rclpy.time import Time` imports that of ROS.",
+        "this is the class time of datetime. `from rclpy.time import Time` imports ROS's Time.",
     ),
     (
         "def lowest(items):\n    round = 3\n    return [round(item) for item in items]\nlowest([1.5])",
@@ -292,7 +292,7 @@ PLAIN_PYTHON = [
     (
         "0.25 * Node('a').get_clock().now()",
         "TypeError: unsupported operand type(s) for *: 'float' and 'Time'",
-        "a Time is not a number: `self.get_clock().now().nanoseconds / 1e9` is one, in seconds.",
+        "a Time is not a number: the time in seconds is `self.get_clock().now().nanoseconds / 1e9`.",
     ),
     (
         "None < 1.0",
@@ -323,7 +323,7 @@ PLAIN_PYTHON = [
         "def two_link(lift, elbow): ...\ntwo_link(1.0, 1.0, 0.0, 0.0)",
         "TypeError: two_link() takes 2 positional arguments but 4 were given",
         "the call passes 4 values, and two_link takes 2. If check(…) makes the "
-        "call, the function needs the names of the task.",
+        "call, the function must take the arguments that the task names.",
     ),
     (
         "def two_link(a, b, c): ...\ntwo_link(1.0, 1.0)",
@@ -545,13 +545,13 @@ PLAIN_PYTHON = [
     (
         "text = '%s %.2f' % 'Car'",
         "TypeError: not enough arguments for format string",
-        "each % in the text needs one value, in ( ) with commas. An f-string has the names in it: "
+        "each % in the string needs one value, in ( ) with commas. An f-string has the names in it: "
         "`f'{speed:.2f} m/s'`.",
     ),
     (
         "text = '{} {:.2f}'.format('Car')",
         "IndexError: Replacement index 1 out of range for positional args tuple",
-        "the text has more { } than format( ) has values. An f-string has the names in it: "
+        "the string has more { } than format( ) has values. An f-string has the names in it: "
         "`f'{speed:.2f} m/s'`.",
     ),
     (
@@ -575,7 +575,7 @@ PLAIN_PYTHON = [
     (
         "import numpy as np\nnp.norm([3.0, 4.0])",
         "AttributeError: module 'numpy' has no attribute 'norm'",
-        "it is in linalg: write np.linalg.norm.",
+        "this function is in linalg: write np.linalg.norm.",
     ),
     (
         "import numpy as np\nnp.array(1.0, 2.0, 3.0)",
@@ -629,7 +629,7 @@ PLAIN_PYTHON = [
     (
         "if ['LaserScan'] in 'LaserScan':\n    pass",
         "TypeError: 'in <string>' requires string as left operand, not list",
-        "what is looked for comes first, and then where: `'map' in ['map', 'odom']`.",
+        "write the value first, then the list: `'map' in ['map', 'odom']`.",
     ),
     (
         "import copy\nimport threading\ncopy.deepcopy(threading.Lock())",
@@ -639,7 +639,7 @@ PLAIN_PYTHON = [
     (
         "def angles():\n    yield next(iter([]))\nlist(angles())",
         "RuntimeError: generator raised StopIteration",
-        "next(…) found no further item, because the iterator is at its end: itertools.cycle(…) begins again.",
+        "next(…) is at the end of its iterator: itertools.cycle(…) begins again.",
     ),
     (
         "def turn():\n    print(count)\n    global count",
@@ -739,6 +739,6 @@ PLAIN_PYTHON = [
     (
         "next(iter([]))",
         "StopIteration",
-        "next(…) found no further item: a for loop ends by itself, and `next(iter([]), None)` has a default.",
+        "next(…) is at the end of its iterator: use a for loop, or pass a default, `next(iter([]), None)`.",
     ),
 ]

@@ -119,7 +119,7 @@ TOPICS = [
         "node.destroy_publisher(publisher)\n"
         "publisher.publish(String())",
         "rclpy.exceptions.InvalidHandle: cannot use Destroyable because destruction was requested",
-        "it has already been destroyed: create a new one, or destroy it later.",
+        "the object has already been destroyed: create a new one, or destroy it later.",
     ),
     (
         "QoSProfile()",
