@@ -103,7 +103,7 @@ def test_hint_of_the_task_for_a_mistake_precedes_the_general_hint() -> None:
     own = replace(TASK, mistakes={MISTAKE: "Half of it, not minus half of it."})
     assert Advice().hint(own, result(failing(MISTAKE))) == ["Hint: Half of it, not minus half of it."]
     (general,) = Advice().hint(TASK, result(failing(MISTAKE)))
-    assert general.startswith("Hint: The size is right and the sign")
+    assert general.startswith("Hint: The size is right, but the sign")
 
 
 def test_hint_for_the_mistake_precedes_the_hint_ladder_each_time() -> None:
