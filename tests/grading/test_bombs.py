@@ -141,7 +141,7 @@ def test_unpack_limit_applies_to_all_archives_of_a_student_together(
     collection = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
     assert total(tmp_path / "out") < 11 * MEGABYTE
     (refused,) = collection.refused
-    assert "all archives of Ada (7) together unpack to more than 10000000 bytes" in refused
+    assert "all archives of Ada (7) together unpack to more than 10,000,000 bytes" in refused
 
 
 @pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
