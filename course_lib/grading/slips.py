@@ -588,7 +588,7 @@ def _python_timers(function: Function) -> Iterator[str]:
             ):
                 yield (
                     f"{quote(node)} calls its function once, by the wall clock. A timer of the "
-                    "node calls it again and again: self.create_timer(period, function)."
+                    "node calls it repeatedly: self.create_timer(period, function)."
                 )
 
 
