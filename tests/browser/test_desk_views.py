@@ -134,7 +134,7 @@ def test_focus_tool_moves_the_focal_point_to_the_clicked_object(bench: Bench) ->
 @pytest.mark.slow
 def test_full_screen_view_fills_the_area_between_the_panels(bench: Bench) -> None:
     bench.open()
-    bench.press("Full screen (F)")
+    bench.press("Full screen (F11)")
     bench.page.wait_for_function("document.fullscreenElement?.className == 'course-viewer'")
     box = bench.page.locator("canvas").bounding_box()
     size = bench.page.viewport_size
