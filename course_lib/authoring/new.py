@@ -78,7 +78,7 @@ def new_week(week: str, title: str, course: Course) -> list[Path]:
 
 
 def check_title(title: str) -> str:
-    """Check that a title is valid in a heading, in Python and in TOML, and return it with composed letters.
+    """Return a title with composed letters, if it is valid in headings, Python and TOML.
 
     Raises:
         CourseError: The title is invalid. The message lists the permitted characters.

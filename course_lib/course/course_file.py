@@ -46,7 +46,7 @@ class LatePolicy:
             )
 
     def is_accepted(self, days: int) -> bool:
-        """Return whether a submission that is `days` days late is accepted. A started day counts as one."""
+        """Return whether a submission `days` days late is accepted; a started day counts."""
         return self.accepted_days is None or days <= self.accepted_days
 
     @property

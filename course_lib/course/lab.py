@@ -141,7 +141,7 @@ def _wait_for_server_url(process: "subprocess.Popen[bytes]") -> str | None:
 
 
 def provide_home(folder: Path) -> list[str]:
-    """Set HOME to a folder in the student's folder if the user has no home folder that can be written.
+    """Set HOME to a folder in the student's folder if the user's home is not writable.
 
     JupyterLab and IPython do not start without one, which some containers and hubs lack.
 

@@ -74,7 +74,7 @@ def free_folder(out: Path) -> Path:
 
 
 def require_closed(weeks: Iterable[str]) -> None:
-    """Raise a CourseError if points of a week can still be earned, so its solution must remain hidden."""
+    """Raise a CourseError if points can still be earned, so the solution must stay hidden."""
     course = shipped_course_file()
     for week in weeks:
         closing = course.closing_time(week)

@@ -375,7 +375,7 @@ class CameraDisplay(PictureDisplay):
         return Inset(pixels, aspect, camera, rendering != _OVER, over, hidden_paths, area)
 
     def _image_area(self, columns: int, rows: int) -> tuple[float, float, float, float]:
-        """Return the part of the picture that the image covers: all of it, or the region of interest.
+        """Return the part of the picture that the image covers, like a region of interest.
 
         Args:
             columns: Width of the whole image, without a region of interest.

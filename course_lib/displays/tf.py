@@ -293,7 +293,7 @@ def _regex(value: Any) -> str:
 
 
 def _count_ways(parsed: Any) -> int:
-    """Return an upper limit of the number of ways in which a parsed expression may match a long name."""
+    """Return an upper limit of the ways in which an expression may match a long name."""
     ways = 1
     for operation, argument in parsed:
         name = str(operation)
