@@ -489,8 +489,9 @@ def own_returns(function: ast.AST) -> Iterator[ast.Return]:
 
 def caught_mistake_hint(caught: CaughtErrors | None, result: TaskResult) -> list[str]:
     """Return a hint about a mistake in the code that a handler of the student hides, or []."""
-    has_mistake = caught is not None and caught.mistake and not result.errors
-    return [f"Hint: {caught.mistake}"] if caught is not None and has_mistake else []
+    if caught is None or not caught.mistake or result.errors:
+        return []
+    return [f"Hint: {caught.mistake}"]
 
 
 def parameter_order_hint(task: Task, source: str) -> list[str]:

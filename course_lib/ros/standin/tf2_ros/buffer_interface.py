@@ -37,9 +37,7 @@ class TransformRegistration:
 
     def get(self, key: type[Any]) -> Callable[[Any, TransformStamped], Any]:
         """Return the function that transforms a type. Raise TypeException if there is none."""
-        if key not in self._transforms:
-            raise TypeException(f"Type {key} is not loaded or supported")
-        return self._transforms[key]
+        return _find_function(self._transforms, key)
 
 
 class ConvertRegistration:
