@@ -13,6 +13,7 @@ from std_msgs.msg import Header
 # A time of any clock type, because tf2 ignores the type.
 AnyTime: TypeAlias = Time | builtin_interfaces.msg.Time
 Obj = TypeVar("Obj")
+Function = TypeVar("Function", bound=Callable[..., Any])
 NO_WAIT = Duration()
 
 
@@ -81,7 +82,7 @@ class ConvertRegistration:
         return _find_function(self._convert, key)
 
 
-def _find_function(functions: dict[Any, Callable[[Any], Any]], key: Any) -> Callable[[Any], Any]:
+def _find_function(functions: dict[Any, Function], key: Any) -> Function:
     if key not in functions:
         raise TypeException(f"Type {key} is not loaded or supported")
     return functions[key]
