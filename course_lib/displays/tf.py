@@ -1,11 +1,11 @@
 """RViz's TF, Axes and Grid displays, which have no Topic property."""
 
 import re
-from collections.abc import Iterator, Mapping
-from functools import lru_cache, partial
+from collections.abc import Callable, Iterator, Mapping
+from functools import lru_cache, partial, reduce
 from importlib import import_module
 from math import floor
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -264,59 +264,79 @@ def _fade(color: Matrix, age: float) -> Matrix:
     return fading
 
 
-# An expression with at least this many ways to match a name is rejected; trying a million takes a
-# tenth of a second.
-_MOST_WAYS = 10**7
-# The length of a long name, which limits repetitions.
-_LONG_NAME = 50
+# Maps the positions in a name at which a part of an expression starts to those at which it can end.
+_Ends: TypeAlias = Callable[[str, set[int]], set[int]]
+# Parts of Python's parsed expressions that match at most one character.
+_SINGLE = {"LITERAL", "NOT_LITERAL", "IN", "ANY", "AT", "FAILURE"}
 
 
 def _regex(value: Any) -> str:
-    """Convert a regular expression.
-
-    Python tries all ways to match a name, and nothing can interrupt it. So it rejects an expression
-    with too many of them, like ``(a+)+b``.
-    """
+    """Check a regular expression."""
     pattern = text(value)
     try:
-        re.compile(pattern)
-        # The only parser of Python's regular expressions is a private module of `re`.
-        ways = _count_ways(import_module("re._parser").parse(pattern))
+        _compile(pattern)
     except (re.error, RecursionError) as error:
         raise ValueError(f"a regular expression; {error}") from None
-    if ways > _MOST_WAYS:
-        raise ValueError(
-            "a regular expression with fewer repetitions, and with none inside another one as in '(a+)+'; "
-            "a search with this one could take forever"
-        )
     return pattern
 
 
-def _count_ways(parsed: Any) -> int:
-    """Return an upper limit of the ways in which an expression may match a long name."""
-    ways = 1
-    for operation, argument in parsed:
-        name = str(operation)
-        if name.endswith("_REPEAT"):
-            low, high, body = argument
-            most = min(int(high), _LONG_NAME)
-            ways *= max(most - int(low) + 1, 1) * _count_ways(body) ** most
-        elif name == "BRANCH":
-            counts = [_count_ways(branch) for branch in argument[1]]
-            # Alternatives that begin with different letters exclude each other.
-            first = [branch[0] for branch in argument[1] if len(branch)]
-            starts = {code for kind, code in first if str(kind) == "LITERAL"}
-            ways *= max(counts) if len(starts) == len(counts) else sum(counts)
-        elif name in ("SUBPATTERN", "ASSERT", "ASSERT_NOT"):
-            ways *= _count_ways(argument[-1])
-    # Higher numbers would only take longer to compute.
-    return min(ways, _MOST_WAYS + 1)
+@lru_cache(maxsize=64)
+def _compile(pattern: str) -> _Ends:
+    """Compile a regular expression to a function whose time does not depend on the ways to match.
+
+    `re` tries them one after the other. Expressions like ``(a+)+b`` would take forever, and nothing
+    can interrupt the search. Only the parser and the parts for single characters are Python's.
+    """
+    # The only parser of Python's regular expressions is a private module of `re`.
+    return _sequence(import_module("re._parser").parse(pattern))
+
+
+def _sequence(parsed: Any) -> _Ends:
+    parts = [_part(parsed, index) for index in range(len(parsed))]
+    return lambda name, starts: reduce(lambda ends, part: part(name, ends), parts, starts)
+
+
+def _part(parsed: Any, index: int) -> _Ends:
+    code, argument = parsed[index]
+    kind = str(code)
+    if kind in ("MAX_REPEAT", "MIN_REPEAT"):
+        return partial(_repeat, _sequence(argument[2]), *argument[:2])
+    if kind == "BRANCH":
+        branches = [_sequence(branch) for branch in argument[1]]
+        return lambda name, starts: {end for branch in branches for end in branch(name, starts)}
+    if kind == "SUBPATTERN":
+        return _sequence(argument[-1])
+    if kind in ("ASSERT", "ASSERT_NOT") and argument[0] > 0:
+        ahead = _sequence(argument[1])
+        return lambda name, starts: {s for s in starts if bool(ahead(name, {s})) == (kind == "ASSERT")}
+    if kind in _SINGLE:
+        single = import_module("re._compiler").compile(parsed[index : index + 1])
+        return lambda name, starts: {match.end() for s in starts if (match := single.match(name, s))}
+    raise ValueError(
+        "a regular expression without references to groups like '\\1', lookbehind and atomic groups, "
+        "which the filters do not support"
+    )
+
+
+def _repeat(body: _Ends, low: int, high: int, name: str, starts: set[int]) -> set[int]:
+    """Return the ends of `low` to `high` repetitions."""
+    for _ in range(low):
+        before, starts = starts, body(name, starts)
+        # Further repetitions change nothing either.
+        if starts == before:
+            break
+    ends, new, count = starts, starts, low
+    while new and count < high:
+        new = body(name, new) - ends
+        ends, count = ends | new, count + 1
+    return ends
 
 
 @lru_cache(maxsize=4096)
 def _passes(name: str, whitelist: str, blacklist: str) -> bool:
     """Return whether a frame passes both filters, of which an empty one lets all pass."""
-    return bool(re.search(whitelist, name) and not (blacklist and re.search(blacklist, name)))
+    starts = set(range(len(name) + 1))
+    return bool(_compile(whitelist)(name, starts)) and not (blacklist and _compile(blacklist)(name, starts))
 
 
 class _LatestTransform(NamedTuple):
