@@ -17,8 +17,9 @@ from course_lib.displays.statuses import StatusTable
 from course_lib.displays.views import ViewController
 from course_lib.displays.writer import save_rviz
 from course_lib.errors import CourseError
-from course_lib.host import announce, running_cell
+from course_lib.host import announce, in_notebook, running_cell
 from course_lib.ros.graph.graph import ProgramNodes, current_graph
+from course_lib.ros.notices import say
 from course_lib.viewer.drawables import Camera
 from course_lib.viewer.html import save_html
 from course_lib.viewer.page_link import Click
@@ -103,6 +104,7 @@ class Viewer(KnownAttributes):
     def save_rviz(self, path: str | Path) -> None:
         """Write displays, options and views as an .rviz file, which RViz2 can open, too."""
         save_rviz(self.session, path)
+        say(f"Saved {path}. The real RViz2 opens it with: rviz2 -d {path}")
 
     def add(
         self,
@@ -276,15 +278,28 @@ class Viewer(KnownAttributes):
         self.session.attach(path, frame_name(frame or ""), at)
 
     def save_html(self, path: str | Path, playback: bool = False) -> None:
-        """Write the scene as a single page that opens without a network.
+        """Write the scene as a single page that opens without a network, and print how to open it.
 
         Args:
             path: The path of the page.
             playback: Whether the page can play the scene's history; it says so if the history is
                 incomplete.
+
+        Raises:
+            CourseError: The page cannot be written.
         """
         self.look()
-        save_html(self.film if playback else self.scene, path, title=f"Viewer: {self.fixed_frame}")
+        scene: Scene | SceneRecording = self.film if playback else self.scene
+        subject = f"{self.film.duration:.0f} s of robot time" if playback else "the view"
+        # A history of two minutes takes seconds.
+        say(f"Saving {subject} …")
+        try:
+            size = save_html(scene, path, title=f"Viewer: {self.fixed_frame}").stat().st_size
+        except OSError as error:
+            raise CourseError(f"Cannot write the page {path}: {error.strerror}.") from None
+        how = "right-click it in the file browser, Open in New Browser Tab"
+        how = how if in_notebook() else "any browser"
+        say(f"Saved {path} ({size / 1e6:.1f} MB). To open it: {how}. It works offline.")
 
     def screenshot(
         self,
@@ -297,11 +312,10 @@ class Viewer(KnownAttributes):
         """
         self.look()
         png = self._cell.picture(size)
-        if png is None:
-            return screenshot(self.scene, path, size)
-        picture = Picture(png, "page")
+        picture = screenshot(self.scene, size=size) if png is None else Picture(png, "page")
         if path is not None:
             picture.save(path)
+            say(f"Saved {path}.")
         return picture
 
     def beside(self) -> None:

@@ -17,6 +17,7 @@ from course_lib.files import write_atomically
 from course_lib.recording import Recording, read_bag, record
 from course_lib.ros.graph.graph import Sample, current_graph
 from course_lib.ros.messages import message_class
+from course_lib.ros.notices import say
 from course_lib.ros.time.driving import spin_for
 from course_lib.tools.sources import ALWAYS_THERE
 
@@ -181,6 +182,7 @@ class Chart:
     def save(self, path: str | Path) -> None:
         """Write the picture as a PNG file."""
         write_atomically(Path(os.path.realpath(path)), self.png())
+        say(f"Saved {path}.")
 
     def _repr_html_(self) -> str:
         data = b64encode(self.png()).decode()

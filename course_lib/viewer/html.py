@@ -106,7 +106,8 @@ _POLICY = (
 
 _FRAGMENT = """\
 <div class="course-scene" style="height:{height};overflow:hidden" data-label="{words}" data-alone="{alone}">\
-<noscript>{label}: needs JavaScript.</noscript><script type="text/plain">{scene}</script></div>"""
+<noscript><p style="margin:0;padding:1em;font:1rem sans-serif;background:#222;color:#eee">\
+{label}: needs JavaScript.{trust}</p></noscript><script type="text/plain">{scene}</script></div>"""
 
 _MAIN = """\
 <style>
@@ -114,6 +115,9 @@ body, main { display: flex; flex-direction: column; overflow: hidden }
 main, main > .course-viewer { flex: 1; min-height: 0 }
 </style>
 <main class="course-page"></main>"""
+
+# JupyterLab opens a page without its scripts.
+_TRUST = " In JupyterLab, press <b>Trust HTML</b> above, or open the file in a browser tab."
 
 MOUNT_ALL = "(viewer) => viewer.mountAll()"
 _CODE = """\
@@ -191,7 +195,12 @@ def scene_fragment(
     zipped = base64.b64encode(gzip.compress(scene_bytes, 6, mtime=0)).decode()
     description = escape(describe_scene(scene.scene if isinstance(scene, SceneRecording) else scene, label))
     return _FRAGMENT.format(
-        height=height, label=escape(label), words=description, alone=str(alone).lower(), scene=zipped
+        height=height,
+        label=escape(label),
+        trust=_TRUST if alone else "",
+        words=description,
+        alone=str(alone).lower(),
+        scene=zipped,
     )
 
 

@@ -340,6 +340,30 @@ def test_saved_page_plays_back_the_recording(graph: Graph, tmp_path: Path) -> No
     assert still.stat().st_size < recording.stat().st_size < 350_000
 
 
+def test_saving_prints_the_path_and_how_to_open_it(
+    graph: Graph, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    viewer = Viewer()
+    viewer.save_html("my_files/page.html", playback=True)
+    begin, end = capsys.readouterr().out.splitlines()
+    assert begin == "Saving 0 s of robot time …"
+    assert end.startswith("Saved my_files/page.html (0.")
+    assert "any browser" in end
+    assert "<b>Trust HTML</b>" in Path("my_files/page.html").read_text("utf-8").partition("<script")[0]
+    viewer.save_rviz("mine.rviz")
+    viewer.screenshot("mine.png")
+    assert capsys.readouterr().out.splitlines() == [
+        "Saved mine.rviz. The real RViz2 opens it with: rviz2 -d mine.rviz",
+        "Saved mine.png.",
+    ]
+
+
+def test_page_that_cannot_be_written_is_reported(graph: Graph, tmp_path: Path) -> None:
+    with pytest.raises(CourseError, match=r"Cannot write the page .*: Is a directory\."):
+        Viewer().save_html(tmp_path)
+
+
 def test_viewer_output_is_equal_in_every_run(graph: Graph) -> None:
     assert repr(Viewer()) == "<Viewer of map with Grid>"
 
