@@ -132,12 +132,14 @@ authors = typer.Typer()
 @authors.command()
 def new(
     kind: Annotated[str, typer.Argument(help="A week like week09, or the word course.")],
-    title: Annotated[str, typer.Argument(help='The title, such as "Occupancy maps".')],
+    title: Annotated[str, typer.Argument(help='The title, such as "Occupancy maps".')] = "",
 ) -> None:
     """Write the files of a new week or of a new course, which already run."""
     from course_lib.authoring.new import new_course, new_week
     from course_lib.grading.store import this_course
 
+    if not title:
+        raise CourseError(f'{kind!r} needs a title, too. Write: course new {kind} "Occupancy maps"')
     if kind == "course":
         root = new_course(title, Path.cwd())
         typer.echo(

@@ -274,6 +274,20 @@ def exercises_dir() -> Path:
     return material_root() / "exercises"
 
 
+ASSETS = "assets"  # the folder of a course's own files, in exercises/ and in a student's folder
+
+
+def asset_files(folder: Path) -> list[Path]:
+    """Return the files of a folder of assets, without those that Python or an editor leaves."""
+    return sorted(
+        path for path in folder.rglob("*") if path.is_file() and not _is_left_over(path.relative_to(folder))
+    )
+
+
+def _is_left_over(path: Path) -> bool:
+    return any(part.startswith(".") or part == "__pycache__" for part in path.parts)
+
+
 def reject_other_course() -> None:
     """Raise a CourseError if the current folder belongs to a course that is not installed.
 
@@ -287,8 +301,9 @@ def reject_other_course() -> None:
             and (folder / "solutions").is_dir()
         ):
             raise CourseError(
-                f"{folder} is a course that is not installed; the installed one is {root}. Run "
-                "here: pip install -e . Or change to that folder."
+                f"{folder} is a course that is not installed; the installed one is {root}. "
+                f"To work on this one, run: pip install -e '{folder}'\n"
+                f"To work on the installed one, run: cd '{root}'"
             )
 
 

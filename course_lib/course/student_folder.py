@@ -11,10 +11,12 @@ from pathlib import Path
 
 from course_lib.course.exercise import read_notebook, source, stamp_exercises
 from course_lib.course.state import (
+    ASSETS,
     PACKAGE,
     STATE_FOLDER,
     WRITTEN_FOLDER,
     State,
+    asset_files,
     course_package,
     exercises_dir,
     lessons_dir,
@@ -57,7 +59,7 @@ def shipped_files() -> dict[str, Path]:
     """Return the kit's file for each name in a student's folder."""
     lessons = [path for pattern in LESSONS for path in lessons_dir().glob(pattern)]
     notebooks = [*lessons, *exercises_dir().glob("week*.ipynb")]
-    assets = [path for path in (exercises_dir() / "assets").rglob("*") if path.is_file()]
+    assets = asset_files(exercises_dir() / ASSETS)
     by_name = {path.name: path for path in notebooks}
     released = (exercises_dir() / SOLUTIONS).glob("*.ipynb")
     in_folders = {path.relative_to(exercises_dir()).as_posix(): path for path in (*assets, *released)}

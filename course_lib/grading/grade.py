@@ -164,7 +164,8 @@ def judge_trial(trial: Trial, course: store.Course, evidence_file: Path) -> str:
 
 def _trials(exercise: str, solution: Path, course: store.Course) -> Iterator[Trial]:
     catalog = store.catalog_of(course)
-    tasks = catalog.tasks_of_week(exercise.split("_")[0])
+    week = exercise.split("_")[0]
+    tasks = catalog.tasks_of_week(week)
     steps = tuple(step.without_checks() for step in plan_scenarios(tasks, catalog, hidden=True))
     stub = course.exercises / f"{exercise}.ipynb"
     texts = {
@@ -175,7 +176,7 @@ def _trials(exercise: str, solution: Path, course: store.Course) -> Iterator[Tri
     }
     for name, (path, data) in texts.items():
         cells = parse_notebook(data, path.name).cells
-        files = working_files(path, cells)
+        files = {**working_files(path, cells), **catalog.assets_of_week(week)}
         job = Job(cells, STUDENT, steps, catalog.course.limits, files, course.sandbox, course.refused)
         yield Trial(exercise, name, path, job)
 

@@ -16,9 +16,10 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from course_lib.course.course_file import CourseFile, read_course_file
-from course_lib.course.state import exercises_dir
+from course_lib.course.state import ASSETS, asset_files, exercises_dir
 from course_lib.errors import CourseError, did_you_mean, location_of
 from course_lib.grading.evidence import Check
+from course_lib.ros.programs.packages import MANIFEST, prepend_paths
 from course_lib.third_party import read_text
 
 Kind = Literal["node", "function", "value", "text", "file", "launch", "written"]
@@ -26,6 +27,7 @@ KINDS: tuple[str, ...] = get_args(Kind)
 ON_A_GRAPH = ("node", "launch")  # kinds whose nodes run until the scenario ends
 HINTS = 3  # hints per task, shown one by one after the hint for the mistake
 LONGEST = 3600.0  # [s] maximum robot time
+_WEEK_FOLDER = re.compile(rf"{ASSETS}/(week\d\d)/")
 
 
 @dataclass(frozen=True)
@@ -236,12 +238,14 @@ class Catalog:
         tasks: The tasks by id, in the order of the exercises.
         hidden: Hidden scenarios by task id; empty in a student's copy.
         faults: Error messages of weeks with invalid files; the other weeks can be used.
+        assets: Contents of the course's own files by the path in a student's folder, `assets/…`.
     """
 
     course: CourseFile
     tasks: Mapping[str, Task]
     hidden: Mapping[str, tuple[Scenario, ...]] = field(default_factory=dict)
     faults: Mapping[str, str] = field(default_factory=dict)
+    assets: Mapping[str, bytes] = field(default_factory=dict)
 
     def task(self, task_id: str) -> Task:
         """Return the task with an id.
@@ -272,6 +276,17 @@ class Catalog:
         week, name = self.course.weeks[task.week], task.id.split(".")[1]
         return (week.bonus[name], True) if name in week.bonus else (week.points[name], False)
 
+    def assets_of_week(self, week: str) -> dict[str, bytes]:
+        """Return the assets that submissions of one week find, without `assets/weekNN` of others.
+
+        A change of an asset runs the submissions again that find it.
+        """
+        return {
+            name: content
+            for name, content in self.assets.items()
+            if not (other := _WEEK_FOLDER.match(name)) or other[1] == week
+        }
+
     def _require_valid(self, week: str) -> None:
         if week in self.faults:
             raise CourseError(self.faults[week])
@@ -300,7 +315,24 @@ def load_catalog(exercises: Path, solutions: Path | None = None) -> Catalog:
             tasks |= tasks_of_week
         except CourseError as error:
             faults[week] = str(error)
-    return Catalog(course, tasks, hidden, faults)
+    return Catalog(course, tasks, hidden, faults, _load_assets(exercises / ASSETS, course))
+
+
+def _load_assets(folder: Path, course: CourseFile) -> dict[str, bytes]:
+    """Return the contents of the assets, and let this process find the message packages in them."""
+    paths = asset_files(folder)
+    megabytes = {path: path.stat().st_size / 1e6 for path in paths}
+    total, limit = sum(megabytes.values()), course.limits.scratch_megabytes / 2
+    if total > limit:
+        largest = max(paths, key=megabytes.__getitem__)
+        raise CourseError(
+            f"{folder} has {total:.0f} MB, expected at most {limit:g} MB, half of the folder in "
+            f"which a submission runs. Make {largest.name} ({megabytes[largest]:.0f} MB) smaller, "
+            "or raise scratch_megabytes in [limits]"
+        )
+    if any(path.name == MANIFEST for path in paths):
+        prepend_paths("ROS_PACKAGE_PATH", [folder.resolve()])
+    return {f"{ASSETS}/{path.relative_to(folder).as_posix()}": path.read_bytes() for path in paths}
 
 
 def _reject_weightless(

@@ -8,6 +8,7 @@ import subprocess
 import sysconfig
 import venv
 from pathlib import Path
+from unicodedata import normalize
 
 import pytest
 
@@ -124,9 +125,8 @@ def test_new_week_in_an_uninstalled_course_does_not_change_another_course(
 ) -> None:
     other = new_course("Not Installed", project.parent)
     output = run(python, "-m", "course_lib", "new", "week02", "Maps", cwd=other / "exercises", code=2)
-    assert (
-        f"{other} is a course that is not installed; the installed one is {project}. Run here: pip" in output
-    )
+    assert f"the installed one is {project}. To work on this one, run: pip install" in output
+    assert f"run: cd '{project}'" in output
     assert not list(project.rglob("*week02*"))
 
 
@@ -136,6 +136,8 @@ def test_accents_of_a_title_are_left_out_of_the_names_of_package_and_folder(
 ) -> None:
     root = new_course(title.replace(" &", ""), tmp_path)
     assert root.name == "feldrobotik_uebung"
+    course_file = (root / "exercises/course.toml").read_text(encoding="utf-8")
+    assert course_file.startswith(f'title = "{normalize("NFC", title.replace(" &", ""))}"')
     text = (root / "pyproject.toml").read_text(encoding="utf-8")
     assert 'name = "feldrobotik-uebung"' in text
     assert text.replace("…", "").isascii()

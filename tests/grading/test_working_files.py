@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.store import Course
+from course_lib.grading.store import Course, catalog_of
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.submissions.submission import find_submissions
 from course_lib.grading.submissions.submit import submit
@@ -83,3 +84,45 @@ def test_file_task_is_graded_with_the_submitted_file(
         tasks = json.loads(path.read_text())["judgement"]["tasks"]
         scores[path.parent.name] = next(task["score"] for task in tasks if task["task"] == "week01.answer")
     assert scores == {"ada": 10, "bob": 0}
+
+
+def test_submissions_find_assets_and_message_packages_of_the_course(
+    course: Course, tmp_path: Path, write_notebook: WriteNotebook, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_PACKAGE_PATH", "")
+    assets = {
+        "arm.bin": b"\xff\x00",
+        "week02/other_week.bin": b"",
+        "soil_msgs/package.xml": b"<package><name>soil_msgs</name></package>",
+        "soil_msgs/msg/Soil.msg": b"float64 moisture 2.5\n",
+    }
+    for name, content in assets.items():
+        path = course.exercises / "assets" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+    code = """
+from pathlib import Path
+from soil_msgs.msg import Soil
+found = Path("assets/arm.bin").read_bytes(), Path("assets/week02").exists()
+# next cell
+def half(length):
+    return Soil().moisture if length == 5.0 and found == (b"\\xff\\x00", False) else length / 2
+"""
+    checks = course.exercises / "checks/week01.py"
+    checks.write_text(
+        checks.read_text()
+        .replace("Call(4.0),", "Call(5.0),")
+        .replace("expect_value(2.0,", "expect_value(2.5,")
+    )
+    write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", code)
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    result = json.loads((tmp_path / "out/results/ada/week01_exercise.json").read_text())
+    scores = {task["task"]: task["score"] for task in result["judgement"]["tasks"]}
+    assert scores["week01.half"] == 40, result["judgement"]
+
+
+def test_too_large_assets_are_rejected_with_the_largest_file(course: Course) -> None:
+    (course.exercises / "assets").mkdir()
+    (course.exercises / "assets/long.mcap").write_bytes(bytes(33_000_000))
+    with pytest.raises(CourseError, match=r"33 MB, expected at most 32 MB.*long\.mcap \(33 MB\)"):
+        catalog_of(course)

@@ -59,7 +59,7 @@ class Job:
         student: The student ID from which personal values are derived; None is a guest.
         steps: The scenarios in order.
         limits: Its resource limits.
-        files: Contents of the submitted files, by path.
+        files: Contents of the submitted files, and of the course's assets, by path.
         need: The weakest isolation that is accepted for running it.
         refused: Paths of the course that it must not be able to read on the machine where it runs.
     """
@@ -68,7 +68,7 @@ class Job:
     student: str | None
     steps: tuple[Step, ...]
     limits: Limits
-    files: Mapping[str, str] = field(default_factory=dict)
+    files: Mapping[str, str | bytes] = field(default_factory=dict)
     need: Need = "any"
     refused: tuple[str, ...] = ()
 

@@ -271,7 +271,7 @@ class SubmissionRun:
         personal: Mapping[str, Mapping[str, Any]],
         limits: Limits,
         template: TemplateProcess | None = None,
-        files: Mapping[str, str] | None = None,
+        files: Mapping[str, str | bytes] | None = None,
     ) -> None:
         self.log = CellLog()
         self.usage = Usage()  # sum over ended workers and scenarios

@@ -26,6 +26,7 @@ from course_lib.ros.graph.graph import START_NS, Graph
 from course_lib.ros.graph.remote import Channel, ChannelClosedError, RemoteGraph
 from course_lib.ros.messages import compile_wire
 from course_lib.ros.programs import import_path
+from course_lib.ros.programs.packages import MANIFEST, prepend_paths
 from course_lib.ros.programs.process import make_shell
 from course_lib.ros.programs.program import seeded
 from course_lib.ros.time import virtual_time
@@ -224,12 +225,15 @@ def running_threads() -> int:
     return _thread._count() - watch.threads
 
 
-def write_files(files: dict[str, str]) -> None:
-    """Write the submitted files. A file that can't be written is missing for the cells."""
-    for name, text in files.items():
+def write_files(files: dict[str, str | bytes]) -> None:
+    """Write the submitted files, and the assets. One that can't be written is missing."""
+    for name, content in files.items():
         with suppress(OSError):
             Path(name).parent.mkdir(parents=True, exist_ok=True)
-            Path(name).write_text(text, encoding="utf-8")
+            Path(name).write_bytes(content.encode() if isinstance(content, str) else content)
+    if any(Path(name).name == MANIFEST for name in files):
+        # Cells import message packages, but a grading process does not search its working folder.
+        prepend_paths("ROS_PACKAGE_PATH", [Path.cwd()])
 
 
 def _has_memory() -> bool:

@@ -502,13 +502,14 @@ def _add_twins(submission: Submission, twin_names: Collection[str]) -> Submissio
 def _plan_job(submission: Submission, course: Course) -> tuple[Submission, Job | None]:
     """Return a submission without its code but with the key of its evidence, and the job to run."""
     catalog = catalog_of(course)
-    tasks = catalog.tasks_of_week(submission.exercise.split("_")[0])
+    week = submission.exercise.split("_")[0]
+    tasks = catalog.tasks_of_week(week)
     notebook, bare = submission.notebook, replace(submission, notebook=None, files={})
     if notebook is None:
         return bare, None
     if not tasks:
         return replace(bare, problem=bare.problem or f"the course has no {bare.exercise}"), None
     steps = tuple(step.without_checks() for step in plan_scenarios(tasks, catalog, hidden=True))
-    limits, files = catalog.course.limits, dict(submission.files)
+    limits, files = catalog.course.limits, {**submission.files, **catalog.assets_of_week(week)}
     job = Job(notebook.cells, submission.values_of, steps, limits, files, course.sandbox, course.refused)
     return replace(bare, key=job.key), job

@@ -482,7 +482,7 @@ class LaunchProgram(Process):
         """
         text = " ".join(reason.split())
         if reason in self._skipped.values():
-            text = f"{text.partition(': ')[0]} (see above)."
+            text = f"{re.split('[:.,] ', text, maxsplit=1)[0]} (see above)."
         # The location and the type of the action, as the launch file writes it.
         name = action.origin if isinstance(action, Placeholder) else type(action).__name__
         if action._course_location is not None:

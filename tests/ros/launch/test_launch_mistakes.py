@@ -67,6 +67,7 @@ def test_substitution_as_a_reaction_is_reported_when_the_process_exits(
         ("def generate_launch_description(context): pass", "Write: def generate_launch_description():"),
         ("def generate_launch_description(): return [1]", "returned a list; end it with: return"),
         ("def generate_launch_description(): return None", "returned None; end it with: return"),
+        ("def generate_test_description(): pass", "It is a test for launch_testing"),
     ],
 )
 def test_wrong_generate_launch_description_is_reported_with_its_file(

@@ -68,7 +68,10 @@ class DeclareLaunchArgument(Action):
         configurations = context.launch_configurations
         if self.name not in configurations:
             if self.default_value is None:
-                raise RuntimeError(f'Required launch argument "{self.name}" was not provided.')
+                raise RuntimeError(
+                    f'Required launch argument "{self.name}" was not provided. '
+                    f"Give it a default_value, or add to the command: {self.name}:=VALUE"
+                )
             configurations[self.name] = text_of(context, self.default_value)
         value = configurations[self.name]
         if self.choices is not None and value not in self.choices:

@@ -56,6 +56,11 @@ def get_launch_description_from_python_launch_file(
     if "generate_launch_description" not in names:
         near = get_close_matches("generate_launch_description", names, 1, cutoff=0.8)
         renaming = f". Rename {near[0]}: launch calls generate_launch_description" if near else ""
+        if "generate_test_description" in names:
+            renaming = (
+                ". It is a test for launch_testing, which this kit does not have. "
+                "Run the launch file that it starts; on a computer with ROS 2: launch_test FILE"
+            )
         raise InvalidPythonLaunchFileError(
             f"launch file at '{file}' does not contain the required function "
             f"'generate_launch_description()'{renaming}"

@@ -1,5 +1,6 @@
 """The substitutions with which Nav2's launch files rewrite configuration files."""
 
+import errno
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -60,13 +61,13 @@ class ReplaceString(Substitution):
         condition: Condition | None = None,
     ) -> None:
         def make(context: LaunchContext) -> str:
-            source = Path(text_of(context, source_file))
+            source = text_of(context, source_file)
             if condition is not None and not condition.evaluate(context):
-                return str(source)
-            text = read_text(source)
+                return source
+            text = _read(source)
             for old, new in replacements.items():
                 text = text.replace(old, text_of(context, new))
-            return _write_temporary(text, source.suffix)
+            return _write_temporary(text, Path(source).suffix)
 
         super().__init__(make)
 
@@ -94,7 +95,7 @@ class RewrittenYaml(Substitution):
         value_rewrites: Mapping[str, SomeSubstitutionsType] | None = None,
     ) -> None:
         def make(context: LaunchContext) -> str:
-            data = yaml.safe_load(read_text(Path(text_of(context, source_file))))
+            data = yaml.safe_load(_read(text_of(context, source_file)))
             values = {
                 key: _value(text_of(context, text), convert_types) for key, text in param_rewrites.items()
             }
@@ -111,12 +112,21 @@ class RewrittenYaml(Substitution):
         super().__init__(make)
 
 
+def _read(source_file: str) -> str:
+    if not source_file:
+        # Path("") would be the working folder.
+        raise FileNotFoundError(
+            errno.ENOENT, "the file name is empty: give the launch argument for it a value", ""
+        )
+    return read_text(Path(source_file))
+
+
 class HasNodeParams(Substitution):
     """`True` if a YAML file has parameters for a node, else `False`."""
 
     def __init__(self, source_file: SomeSubstitutionsType, node_name: str) -> None:
         def make(context: LaunchContext) -> str:
-            data = yaml.safe_load(read_text(Path(text_of(context, source_file))))
+            data = yaml.safe_load(_read(text_of(context, source_file)))
             return str(node_name in data)
 
         super().__init__(make)
