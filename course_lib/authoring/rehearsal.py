@@ -206,10 +206,8 @@ def rehearse(rehearsal: Rehearsal, course: Course) -> RehearsalResult:
         if any(task.kind not in ONLY_DEFINED for task in tasks)
         else tuple(cell for cell in rehearsal.cells if DEFINES.match(cell) or CHECKS.search(cell))
     )
-    files = {
-        **working_files(course.solutions / f"{rehearsal.week}_solution.ipynb", cells),
-        **catalog.assets_of_week(rehearsal.week),
-    }
+    solution = course.solutions / f"{rehearsal.week}_solution.ipynb"
+    files = catalog.with_assets(rehearsal.week, working_files(solution, cells))
     without_checks = tuple(step.without_checks() for step in steps)
     job = Job(cells, STUDENT, without_checks, catalog.course.limits, files, course.sandbox, course.refused)
     outcome = unpack(run(job).evidence, steps)

@@ -279,9 +279,8 @@ ASSETS = "assets"  # the folder of a course's own files, in exercises/ and in a 
 
 def asset_files(folder: Path) -> list[Path]:
     """Return the files of a folder of assets, without those that Python or an editor leaves."""
-    return sorted(
-        path for path in folder.rglob("*") if path.is_file() and not _is_left_over(path.relative_to(folder))
-    )
+    files = filter(Path.is_file, folder.rglob("*"))
+    return sorted(path for path in files if not _is_left_over(path.relative_to(folder)))
 
 
 def _is_left_over(path: Path) -> bool:

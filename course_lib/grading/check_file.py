@@ -42,7 +42,7 @@ def check_file(path: Path) -> bool:
     identity = current_identity()
     student = notebook.student or identity
     steps = plan_scenarios(tasks, catalog, hidden=False)
-    files = {**working_files(path, notebook.cells), **catalog.assets_of_week(week)}
+    files = catalog.with_assets(week, working_files(path, notebook.cells))
     exercise_run = run_scenarios(Job(notebook.cells, student, steps, catalog.course.limits, files))
     judgement = judge(exercise_run, tasks, catalog)
     causes = RootCauses(judgement.cell_errors, notebook.cells)

@@ -176,7 +176,7 @@ def _trials(exercise: str, solution: Path, course: store.Course) -> Iterator[Tri
     }
     for name, (path, data) in texts.items():
         cells = parse_notebook(data, path.name).cells
-        files = {**working_files(path, cells), **catalog.assets_of_week(week)}
+        files = catalog.with_assets(week, working_files(path, cells))
         job = Job(cells, STUDENT, steps, catalog.course.limits, files, course.sandbox, course.refused)
         yield Trial(exercise, name, path, job)
 

@@ -276,16 +276,17 @@ class Catalog:
         week, name = self.course.weeks[task.week], task.id.split(".")[1]
         return (week.bonus[name], True) if name in week.bonus else (week.points[name], False)
 
-    def assets_of_week(self, week: str) -> dict[str, bytes]:
-        """Return the assets that submissions of one week find, without `assets/weekNN` of others.
+    def with_assets(self, week: str, files: Mapping[str, str]) -> dict[str, str | bytes]:
+        """Return a submission's files and its week's assets, without `assets/weekNN` of others.
 
         A change of an asset runs the submissions again that find it.
         """
-        return {
+        assets = {
             name: content
             for name, content in self.assets.items()
             if not (other := _WEEK_FOLDER.match(name)) or other[1] == week
         }
+        return dict[str, str | bytes](files) | assets
 
     def _require_valid(self, week: str) -> None:
         if week in self.faults:

@@ -510,6 +510,6 @@ def _plan_job(submission: Submission, course: Course) -> tuple[Submission, Job |
     if not tasks:
         return replace(bare, problem=bare.problem or f"the course has no {bare.exercise}"), None
     steps = tuple(step.without_checks() for step in plan_scenarios(tasks, catalog, hidden=True))
-    limits, files = catalog.course.limits, {**submission.files, **catalog.assets_of_week(week)}
+    limits, files = catalog.course.limits, catalog.with_assets(week, submission.files)
     job = Job(notebook.cells, submission.values_of, steps, limits, files, course.sandbox, course.refused)
     return replace(bare, key=job.key), job
