@@ -125,6 +125,21 @@ class Triangles:
 
 
 @dataclass(frozen=True)
+class Dots:
+    """Squares or discs that are too small to show more than their size, aligned with the image."""
+
+    # x right, y up, -z ahead of the camera [m], shape (N, 3)
+    centers: Float32s
+    # RGBA, shape (N, 4)
+    colors: Float32s
+    # Diameters [m], shape (N,)
+    diameters: Float32s
+    transparent: bool
+    is_round: bool
+    behind: bool = False
+
+
+@dataclass(frozen=True)
 class Viewpoint:
     """The transform from an object to the camera, and the height of the image."""
 
@@ -145,7 +160,7 @@ class Viewpoint:
 
 def triangles_of(
     scene: Scene, camera: drawables.Camera, height: int, hidden_paths: tuple[str, ...]
-) -> Iterator[Triangles]:
+) -> Iterator[Triangles | Dots]:
     """Iterate over all visible objects in an image of a given height, except those at hidden paths.
 
     Objects that only three.js can draw, without an equivalent drawable, are left out.
@@ -157,7 +172,11 @@ def triangles_of(
         drawable = getattr(drawable, "stand_in", None) or drawable
         if type(drawable) in _CONVERTERS and scene.is_visible(path) and not f"{path}/".startswith(without):
             transform = transform_scene_to_camera @ scene.world_transform(path)
-            triangles = _CONVERTERS[type(drawable)](drawable, Viewpoint(transform, camera, height))
+            view = Viewpoint(transform, camera, height)
+            if isinstance(drawable, drawables.Points) and len(drawable.points) >= _MANY_POINTS:
+                dots, drawable = _split_points(drawable, view)
+                yield dots
+            triangles = _CONVERTERS[type(drawable)](drawable, view)
             is_near = (-triangles.corners[..., 2]).min(axis=1, initial=np.inf) <= camera.far
             yield triangles if is_near.all() else replace(triangles, corners=triangles.corners[is_near])
 
@@ -234,11 +253,54 @@ def _lines(lines: drawables.Lines, view: Viewpoint) -> Triangles:
     return _triangles(corners[:, end, side].reshape(-1, 3, 3).astype(np.float32), tints.reshape(-1, 3, 4))
 
 
+# The number of points from which on small ones are drawn as dots, which takes a tenth of the time.
+_MANY_POINTS = 20_000
+# Larger points show their shape [px].
+_LARGEST_DOT = 4.0
+
+
+def _split_points(points: drawables.Points, view: Viewpoint) -> tuple[Dots, drawables.Points]:
+    """Return the small points as dots, and the others."""
+    centers = view.points(points.points)
+    colors = np.broadcast_to(points.colors, (len(centers), 4))
+    widths, pixel = _sizes(points, view, centers)[:, 0], view.pixel(centers)[:, 0]
+    shade = np.ones(1, np.float32)
+    if points.spot in ("box", "tile") and not points.pixels:
+        # The part of each side that is seen, which is the area of the silhouette in sides.
+        sight = np.array([[0.0, 0.0, 1.0]]) if view.camera.orthographic_scale else -centers
+        seen = (sight @ view.transform_object_to_camera[:3, :3]).astype(np.float32)
+        seen /= np.maximum(np.linalg.norm(seen, axis=1, keepdims=True), 1e-9)
+        sides = np.abs(seen) * (1 if points.spot == "box" else np.array([0, 0, 1], np.float32))
+        area = np.maximum(sides.sum(axis=1), 1e-9)
+        widths = widths * np.sqrt(area)
+        if points.spot == "box":
+            shades = _BOX_SHADES[np.arange(3), (seen < 0).astype(int)]
+            shade = (sides * shades).sum(axis=1) / area
+    elif points.spot == "sphere":
+        # The mean brightness of a disc from its center to its rim.
+        shade = np.full(1, 1 - 0.2 * 2 / 3, np.float32)
+    is_small = widths <= _LARGEST_DOT * pixel
+    colors = colors * np.column_stack([shade, shade, shade, np.ones_like(shade)])
+    diameters = np.maximum(widths, pixel)[is_small].astype(np.float32)
+    transparent = bool((colors[:, 3] < drawables.OPAQUE_FROM).any())
+    is_round = points.spot in ("disc", "sphere")
+    dots = Dots(centers[is_small], colors[is_small], diameters, transparent, is_round)
+    rest = points.points[~is_small]
+    tints = points.colors if points.colors.ndim == 1 else points.colors[~is_small]
+    return dots, drawables.Points(rest, tints, points.size, points.pixels, points.spot, points.grow)
+
+
+def _sizes(points: drawables.Points, view: Viewpoint, centers: Float32s) -> Floats:
+    """Return the width, height and depth of each point [m], shape (N, 3)."""
+    unit = view.pixel(centers) if points.pixels else np.ones((len(centers), 1))
+    sizes: Floats = np.array(points.size) * unit * (points.points[:, 2:] if points.grow else 1)
+    return sizes
+
+
 def _points(points: drawables.Points, view: Viewpoint) -> Triangles:
     centres = view.points(points.points)
     unit, shade = unit_spot(points.spot)
-    size = np.array(points.size) * (view.pixel(centres) if points.pixels else np.ones((len(centres), 1)))
-    size = size * (points.points[:, 2:] if points.grow else 1)
+    size = _sizes(points, view, centres)
     # Right, up and ahead of each spot as columns; see RViz's nogp/billboard.vert.
     rotation = view.transform_object_to_camera[:3, :3]
     if points.pixels or points.spot in ("box", "tile"):
@@ -479,15 +541,16 @@ def _pixels(
     colors = fine_behind.reshape(-1, 3).astype(np.float32) / np.float32(255)
     seen_through: list[Fragments] = []
     for triangles in triangles_of(scene, camera, size[1], hidden_paths):
-        for fragments in _fragments(triangles, camera, (width, height)):
+        draw = _dot_fragments if isinstance(triangles, Dots) else _fragments
+        for fragments in draw(triangles, camera, (width, height)):
             if triangles.behind:
                 _blend(depths, colors, [fragments])
             elif triangles.transparent:
                 seen_through.append(fragments)
             else:
+                visible = np.flatnonzero(fragments.depth < depths[fragments.sample])
                 # Of each sample, the last fragment written is kept, which is the nearest one.
-                order = np.argsort(-fragments.depth, kind="stable")
-                order = order[fragments.depth[order] < depths[fragments.sample[order]]]
+                order = visible[np.argsort(-fragments.depth[visible], kind="stable")]
                 sample = fragments.sample[order]
                 depths[sample] = fragments.depth[order]
                 colors[sample] = fragments.color[order, :3]
@@ -509,8 +572,8 @@ def _blend(depths: Float32s, colors: Float32s, parts: list[Fragments]) -> None:
     sample, color = sample[order], color[order]
     first = np.flatnonzero(np.diff(sample, prepend=-1))
     layer = np.arange(len(sample)) - np.repeat(first, np.diff(first, append=len(sample)))
-    for number in range(layer.max(initial=-1) + 1):
-        now = np.flatnonzero(layer == number)
+    by_layer = np.argsort(layer, kind="stable")
+    for now in np.split(by_layer, np.flatnonzero(np.diff(layer[by_layer])) + 1):
         alpha = color[now, 3:]
         colors[sample[now]] = colors[sample[now]] * (1 - alpha) + color[now, :3] * alpha
 
@@ -531,6 +594,31 @@ def _fragments(triangles: Triangles, camera: drawables.Camera, size: tuple[int, 
         value = (share @ values[spans.triangle])[:, 0] / total
         value[:, 0] *= 1 + triangles.farther
         yield _shade(spans.sample, value, triangles.mask)
+
+
+def _dot_fragments(dots: Dots, camera: drawables.Camera, size: tuple[int, int]) -> Iterator[Fragments]:
+    """Iterate over the samples that dots cover, a limited number of dots at a time."""
+    depths = -dots.centers[:, 2]
+    is_seen = (depths >= camera.near) & (depths <= camera.far)
+    middle = np.array(size) / 2 + np.array(camera.shift) * size[1]
+    for chunk in np.array_split(np.flatnonzero(is_seen), len(depths) // (_AT_ONCE // 16) + 1):
+        depth = depths[chunk]
+        scale = camera.pixels_per_metre(depth, size[1])
+        scale = scale * (_FINER if camera.orthographic_scale else 1)
+        x, y = middle[:, None] + dots.centers[chunk, :2].T * scale * np.array([[1], [-1]])
+        half = dots.diameters[chunk] * scale / 2
+        left, right, top, bottom = (
+            np.ceil(edge - 0.5).clip(0, most).astype(int)
+            for edge, most in zip((x - half, x + half, y - half, y + half), np.repeat(size, 2), strict=True)
+        )
+        dot, index = _expand_ranges(np.zeros(len(chunk), int), (right - left) * (bottom - top))
+        row, column = np.divmod(index, (right - left)[dot])
+        row, column = row + top[dot], column + left[dot]
+        if dots.is_round:
+            offsets = np.hypot(column + 0.5 - x[dot], row + 0.5 - y[dot])
+            is_inside = offsets <= half[dot]
+            dot, row, column = dot[is_inside], row[is_inside], column[is_inside]
+        yield Fragments(row * size[0] + column, depth[dot], dots.colors[chunk[dot]])
 
 
 def _shade(sample: Indices, value: Float32s, mask: Bytes | None) -> Fragments:

@@ -7,7 +7,17 @@ import pytest
 from PIL import Image
 
 from course_lib.viewer import renderer
-from course_lib.viewer.drawables import Drawable, Lines, Mesh, MeshcatObject, Points, Sheet, Solids, Text
+from course_lib.viewer.drawables import (
+    Drawable,
+    Lines,
+    Mesh,
+    MeshcatObject,
+    Points,
+    Sheet,
+    Solids,
+    Spot,
+    Text,
+)
 from course_lib.viewer.page_link import Click
 from tests.browser.fake_host import Host, count
 from tests.browser.scenes import BLUE, GREEN, RED, box, from_above, show_scene
@@ -92,11 +102,12 @@ def test_invalid_scene_change_is_reported_and_other_changes_are_drawn(host: Host
 
 
 @pytest.mark.slow
-def test_large_cloud_is_drawn_as_by_numpy_and_its_points_are_clickable(host: Host) -> None:
+@pytest.mark.parametrize("spot", ["square", "disc", "sphere"])
+def test_large_cloud_is_drawn_as_by_numpy_and_its_points_are_clickable(host: Host, spot: Spot) -> None:
     scene = from_above()
     grid = np.stack(np.meshgrid(np.linspace(-1, 1, 200), np.linspace(-1, 1, 200), [0.0]), axis=-1)
     colors = np.repeat(np.eye(4)[[0, 2]] + [0, 0, 0, 1], 20_000, axis=0).clip(0, 1)  # half red, half blue
-    scene.set_object("cloud", Points(grid.reshape(-1, 3), colors, (0.03, 0.03)))
+    scene.set_object("cloud", Points(grid.reshape(-1, 3), colors, (0.03, 0.03), spot=spot))
     widget = show_scene(host, scene)
     clicks: list[Click] = []
     widget.link.on_click.append(clicks.append)

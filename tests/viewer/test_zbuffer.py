@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 from course_lib.viewer import renderer
-from course_lib.viewer.drawables import Camera, Drawable, Lines, Mesh, Points, Sheet, Solids, Text
+from course_lib.viewer.drawables import Camera, Drawable, Lines, Mesh, Points, Sheet, Solids, Spot, Text
 from course_lib.viewer.scene import Scene
 
 SIZE = (200, 160)
@@ -215,3 +215,44 @@ def test_line_on_a_sheet_is_visible(alpha: int) -> None:
 def test_list_elements_are_scaled_in_z() -> None:
     spots = Points([(0, 0, 1), (0, 0, 3)], (1, 1, 1, 1), (1.0, 1.0), grow=True)
     assert (render_pixels(from_above(spots))[..., 0] > 0).sum() == pytest.approx(60**2, rel=0.05)  # 3 m wide
+
+
+@pytest.mark.parametrize("scale", [None, 30.0])
+@pytest.mark.parametrize(("spot", "size"), [("square", 0.1), ("disc", 0.1), ("sphere", 0.1), ("box", 0.05)])
+def test_many_small_points_look_like_their_shapes(
+    spot: Spot, size: float, scale: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(1)
+    places = rng.uniform(-3, 3, (2000, 3))
+    scene = from_above(Points(places, (0.2, 0.5, 1.0, 1.0), (size,) * 3, False, spot))
+    scene.camera = Camera(eye=(3, -8, 5), target=(0, 0, 0), orthographic_scale=scale)
+    shapes = render_pixels(scene)
+    monkeypatch.setattr(renderer, "_MANY_POINTS", 1000)
+    dots = render_pixels(scene)
+    # The shapes of discs are octagons, whose area is a tenth smaller.
+    assert (dots > 0).mean() == pytest.approx((shapes > 0).mean(), rel=0.1)
+    assert dots.mean(axis=(0, 1)) == pytest.approx(shapes.mean(axis=(0, 1)), rel=0.1)
+    assert (dots != shapes).any()
+
+
+def test_near_points_of_many_are_drawn_with_their_shape() -> None:
+    far = np.tile([[0.0, 0.0, -500.0]], (20_000, 1))
+    scene = from_above(Points([*far, (0, 0, 8)], (1, 1, 1, 1), (1, 1, 1), False, "box"))
+    scene.camera = Camera(eye=(3, -3, 13), target=(0, 0, 8))
+    few = from_above(Points([(0, 0, 8)], (1, 1, 1, 1), (1, 1, 1), False, "box"))
+    few.camera = scene.camera
+    picture = render_pixels(few)
+    assert len(np.unique(picture)) > 3
+    assert (render_pixels(scene)[60:100, 80:120] == picture[60:100, 80:120]).all()
+
+
+def test_nearest_of_many_points_hides_the_others() -> None:
+    places = np.zeros((20_000, 3))
+    places[:, 2] = np.linspace(-3, 3, len(places))
+    colors = np.tile([1.0, 0.0, 0.0, 1.0], (len(places), 1))
+    colors[-1] = (0, 1, 0, 1)
+    scene = from_above(Points(places, colors, (4, 4), pixels=True))
+    assert middle(scene) == [0, 255, 0]
+    colors[:, 3] = 0.5
+    red, green, _ = middle(from_above(Points(places, colors, (4, 4), pixels=True)))
+    assert red == pytest.approx(green, abs=2) == pytest.approx(127, abs=2)

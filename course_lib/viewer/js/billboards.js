@@ -18,6 +18,9 @@ const POINT_SHAPES = {
   box: { define: "BOX", shape: () => new THREE.BoxGeometry(1, 1, 1), shade: (i) => BOX_SHADES[i >> 2] },
 };
 
+/** @type {Record<string, "DOT" | "DISC" | "BALL">} The shapes that a shader can draw around one vertex. */
+const DOTS = { square: "DOT", disc: "DISC", sphere: "BALL" };
+
 /**
  * Draw one flat shape or box per instance, which its shader places.
  * @param {any} shared material @param {any} shape three.js geometry
@@ -127,16 +130,17 @@ export function buildLines(lines) {
 }
 
 /**
- * Draw one vertex per point: squares aligned with the image, which are much faster than shapes.
- * @param {Float32Array} points @param {Uint8Array} tints @param {Record<string, any>} uniforms
+ * Draw one vertex per point: squares or discs aligned with the image, which are much faster than shapes.
+ * @param {Float32Array} points @param {Uint8Array} tints @param {"DOT" | "DISC" | "BALL"} define
+ * @param {Record<string, any>} uniforms
  */
-function createDots(points, tints, uniforms) {
+function createDots(points, tints, define, uniforms) {
   const geometry = new THREE.BufferGeometry();
   const position = new THREE.BufferAttribute(points, 3);
   geometry.setAttribute("position", position);
   geometry.setAttribute("start", position);
   geometry.setAttribute("startTint", new THREE.BufferAttribute(tints, 4, true));
-  return withUniforms(new THREE.Points(geometry, material("spot", isTransparent(tints), "DOT")), uniforms, { start: position });
+  return withUniforms(new THREE.Points(geometry, material("spot", isTransparent(tints), define)), uniforms, { start: position });
 }
 
 /** @param {any} points */
@@ -147,7 +151,8 @@ export function buildPoints({ points, colors, size, pixels, spot, grow }) {
   geometry.setAttribute("shade", new THREE.BufferAttribute(shades, 1));
   const tints = spread(colors, points.length / 3);
   const uniforms = { size, inPixels: pixels, grow };
-  if (spot === "square" && points.length / 3 >= MANY_POINTS) return createDots(points, tints, uniforms);
+  const dot = DOTS[spot];
+  if (dot && points.length / 3 >= MANY_POINTS) return createDots(points, tints, dot, uniforms);
   const paint = material("spot", isTransparent(tints), pixels ? "" : define, spot === "tile");
   return createInstances(paint, geometry, uniforms, {
     start: perInstance(points, 3),

@@ -82,6 +82,13 @@ const FRAGMENT = `
   #endif
   void main() {
     gl_FragColor = vColor;
+    #if defined(DISC) || defined(BALL)
+      float fromMiddle = 2.0 * length(gl_PointCoord - 0.5);
+      if (fromMiddle > 1.0) discard;
+      #ifdef BALL
+        gl_FragColor.rgb *= 1.0 - 0.2 * fromMiddle;
+      #endif
+    #endif
     #ifdef THIN
       if (isStudio) gl_FragColor.a *= 1.0 - smoothstep(0.35, 1.0, length(vAway));
     #endif
@@ -212,7 +219,7 @@ const SPOT = `${PLACED}
     #elif defined(BOX)
       axes = mat3(modelViewMatrix);
     #endif
-    #if defined(DOT)
+    #if defined(DOT) || defined(DISC) || defined(BALL)
       gl_PointSize = max(size.x * unit / pixelAt(here), 1.0) * density;
     #else
       here.xyz += axes * ((position - vec3(0.0, lowered, 0.0)) * size * unit);
@@ -230,7 +237,7 @@ const materials = new Map();
 
 /**
  * @param {"surface" | "strip" | "spot"} kind @param {boolean} transparent RViz blends without writing depth
- * @param {"SMOOTH" | "FLAT" | "TEXTURED" | "FACING" | "BOX" | "DOT" | "THIN" | ""} [define] how it is shaded or placed
+ * @param {"SMOOTH" | "FLAT" | "TEXTURED" | "FACING" | "BOX" | "DOT" | "DISC" | "BALL" | "THIN" | ""} [define] how it is shaded or placed
  * @param {boolean} [doubleSided] @returns {any} a THREE.ShaderMaterial that others use too
  */
 export function material(kind, transparent, define = "", doubleSided = true) {
