@@ -541,8 +541,7 @@ def _pixels(
     colors = fine_behind.reshape(-1, 3).astype(np.float32) / np.float32(255)
     seen_through: list[Fragments] = []
     for triangles in triangles_of(scene, camera, size[1], hidden_paths):
-        draw = _dot_fragments if isinstance(triangles, Dots) else _fragments
-        for fragments in draw(triangles, camera, (width, height)):
+        for fragments in _fragments(triangles, camera, (width, height)):
             if triangles.behind:
                 _blend(depths, colors, [fragments])
             elif triangles.transparent:
@@ -578,8 +577,13 @@ def _blend(depths: Float32s, colors: Float32s, parts: list[Fragments]) -> None:
         colors[sample[now]] = colors[sample[now]] * (1 - alpha) + color[now, :3] * alpha
 
 
-def _fragments(triangles: Triangles, camera: drawables.Camera, size: tuple[int, int]) -> Iterator[Fragments]:
-    """Iterate over the samples that triangles cover, a limited number at a time."""
+def _fragments(
+    triangles: Triangles | Dots, camera: drawables.Camera, size: tuple[int, int]
+) -> Iterator[Fragments]:
+    """Iterate over the samples that triangles or dots cover, a limited number at a time."""
+    if isinstance(triangles, Dots):
+        yield from _dot_fragments(triangles, camera, size)
+        return
     perspective = camera.orthographic_scale is None
     corners = clip_triangles(triangles.corners, camera.near) if perspective else triangles.corners
     depth = -corners[..., 2:3]
