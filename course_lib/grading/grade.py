@@ -591,7 +591,7 @@ def _note_lines(submissions: Sequence[Submission]) -> Iterator[str]:
     for submission in submissions:
         for note in submission.notes:
             # Notes of a kind differ in what follows, like the names of other students.
-            kind = re.split(":| of ", note, maxsplit=1)[0]
+            kind = re.sub("that of .*", "that of another student", note.split(":")[0])
             line = f"{submission.student}  {submission.exercise}  note: {note}"
             lines.setdefault(kind, []).append(line)
     for kind, lines_of_kind in lines.items():

@@ -19,7 +19,8 @@ from course_lib.course.course_file import CourseFile, read_course_file
 from course_lib.course.state import ASSETS, asset_files, exercises_dir
 from course_lib.errors import CourseError, did_you_mean, location_of
 from course_lib.grading.evidence import Check
-from course_lib.ros.programs.packages import MANIFEST, prepend_paths
+from course_lib.ros.messages.definitions import add_package, field_definitions
+from course_lib.ros.programs.packages import MANIFEST, has_interfaces, packages_below, prepend_paths
 from course_lib.third_party import read_text
 
 Kind = Literal["node", "function", "value", "text", "file", "launch", "written"]
@@ -320,7 +321,11 @@ def load_catalog(exercises: Path, solutions: Path | None = None) -> Catalog:
 
 
 def _load_assets(folder: Path, course: CourseFile) -> dict[str, bytes]:
-    """Return the contents of the assets, and let this process find the message packages in them."""
+    """Return the contents of the assets, and add their message types to those of this process.
+
+    Raises:
+        CourseError: The assets are too large, or a message file is invalid.
+    """
     paths = asset_files(folder)
     megabytes = {path: path.stat().st_size / 1e6 for path in paths}
     total, limit = sum(megabytes.values()), course.limits.scratch_megabytes / 2
@@ -333,6 +338,11 @@ def _load_assets(folder: Path, course: CourseFile) -> dict[str, bytes]:
         )
     if any(path.name == MANIFEST for path in paths):
         prepend_paths("ROS_PACKAGE_PATH", [folder.resolve()])
+        known = {name.split("/")[0] for name in field_definitions()}
+        for name, package in packages_below(folder.resolve()).items():
+            # Evidence is judged in other processes, which import no type and decode known ones only.
+            if name not in known and has_interfaces(package):
+                add_package(package, name)
     return {f"{ASSETS}/{path.relative_to(folder).as_posix()}": path.read_bytes() for path in paths}
 
 

@@ -11,6 +11,7 @@ from course_lib.grading.store import Course, catalog_of
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.submissions.submission import find_submissions
 from course_lib.grading.submissions.submit import submit
+from course_lib.ros.messages.definitions import field_definitions
 
 WriteNotebook = Callable[..., Path]
 CODE = """
@@ -119,6 +120,15 @@ def half(length):
     result = json.loads((tmp_path / "out/results/ada/week01_exercise.json").read_text())
     scores = {task["task"]: task["score"] for task in result["judgement"]["tasks"]}
     assert scores["week01.half"] == 40, result["judgement"]
+
+
+def test_types_of_assets_are_known_where_evidence_is_judged(course: Course) -> None:
+    folder = course.exercises / "assets/clay_msgs"
+    (folder / "msg").mkdir(parents=True)
+    (folder / "package.xml").write_text("<package><name>clay_msgs</name></package>")
+    (folder / "msg/Clay.msg").write_text("float64 moisture\n")
+    catalog_of(course)
+    assert "clay_msgs/msg/Clay" in field_definitions()
 
 
 def test_too_large_assets_are_rejected_with_the_largest_file(course: Course) -> None:
