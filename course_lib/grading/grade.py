@@ -190,6 +190,11 @@ def _run(trials: Iterable[Trial], out: Path, runner: Executor) -> dict[Trial, Pa
     except (ImportError, AttributeError) as error:
         # The kit on the worker is older than this function.
         runner_location, other = f"another place ({error})", ""
+    if other != digest and runner_location == own_location:
+        raise CourseError(
+            f"nothing is graded: the kit in {own_location} changed while this command ran. "
+            "Give the same command again with --resume"
+        )
     if other != digest:
         raise CourseError(
             f"nothing is graded: submissions would be run by the kit in {runner_location}, which "
