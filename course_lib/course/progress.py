@@ -139,7 +139,15 @@ def contents_page(state: State) -> str:
     rows = list[str]()
     for week in load_weeks():
         following = [path for path in reviews() if path.name.startswith(week.name)]
-        rows += [_row(week, state), *map(_plain_row, following)]
+        deadline = week.settings.deadline
+        cells = (
+            f"[{week.title}]({week.lesson})",
+            f"{week.minutes}",
+            f"[{week.exercise}]({week.exercise})" if week.exercise else "",
+            FAULTY if week.is_faulty else f"{deadline:%d %B %Y, %H:%M}" if deadline else "",
+            progress(week, state).task_count,
+        )
+        rows += [f"| {' | '.join(cells)} |", *map(_plain_row, following)]
     return PAGE.format(rows="\n".join([*rows, *map(_plain_row, extras())]))
 
 
@@ -147,18 +155,6 @@ def _plain_row(path: Path) -> str:
     """Return the row of a notebook without an exercise."""
     notebook = read_notebook(path)
     return f"| [{_title(notebook)}]({path.name}) | {notebook['metadata']['course']['minutes']} | | | |"
-
-
-def _row(week: Week, state: State) -> str:
-    deadline = week.settings.deadline
-    cells = (
-        f"[{week.title}]({week.lesson})",
-        f"{week.minutes}",
-        f"[{week.exercise}]({week.exercise})" if week.exercise else "",
-        FAULTY if week.is_faulty else f"{deadline:%d %B %Y, %H:%M}" if deadline else "",
-        progress(week, state).task_count,
-    )
-    return f"| {' | '.join(cells)} |"
 
 
 def write_contents(folder: Path) -> Path:

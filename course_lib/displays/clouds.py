@@ -350,22 +350,18 @@ class CloudDisplay(TopicDisplay):
         style = self["Style"]
         in_pixels = style == "Points"
         size = (self["Size (Pixels)" if in_pixels else "Size (m)"],) * 3
-        colors = self._colors(displayed.cloud)
+        name = best_transformer(displayed.cloud, self["Color Transformer"])
+        own_colors, bounds = TRANSFORMERS[name].colors(displayed.cloud, self)
+        self._values |= bounds
+        # Only the channel rgba provides alpha.
+        colors = np.empty((len(own_colors), 4), np.float32)
+        colors[:, :3] = own_colors[:, :3]
+        colors[:, 3] = self["Alpha"] * (own_colors[:, 3] if own_colors.shape[1] == 4 else 1.0)
+        if not (colors[:, 3] == 1).all():
+            colors[:, 3] = alpha_drawn_twice(colors[:, 3])
         grow = not in_pixels and bool(self._values.get("Auto Size"))
         drawable = Points(displayed.cloud.positions, colors, size, in_pixels, STYLES[style], grow)
         self.context.scene.set_object(displayed.path, drawable)
-
-    def _colors(self, cloud: Cloud) -> Float32s:
-        """Return RGBA of each point, shape (N, 4). Only the channel rgba provides alpha."""
-        name = best_transformer(cloud, self["Color Transformer"])
-        colors, bounds = TRANSFORMERS[name].colors(cloud, self)
-        self._values |= bounds
-        each = np.empty((len(colors), 4), np.float32)
-        each[:, :3] = colors[:, :3]
-        each[:, 3] = self["Alpha"] * (colors[:, 3] if colors.shape[1] == 4 else 1.0)
-        if not (each[:, 3] == 1).all():
-            each[:, 3] = alpha_drawn_twice(each[:, 3])
-        return each
 
 
 class PointCloud2Display(CloudDisplay):

@@ -436,7 +436,7 @@ class TopicDisplay(Display):
         self._processed_ns = self._dropped_ns = 0
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
-        """Set properties from a layout, even one older than Galactic: ``Topic: /x``, ``Unreliable: true``."""
+        """Set properties from a layout, even before Galactic: ``Topic: /x``, ``Unreliable: true``."""
         topic = config.get(self.topic_label)
         if not isinstance(topic, Mapping):
             unreliable = str(config.get("Unreliable")).lower() == "true"

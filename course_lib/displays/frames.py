@@ -236,11 +236,11 @@ class ViewTime:
             self._due_ns = (self._frame_ns if is_recent else self.robot_ns) + self._interval_ns
 
     def overdue_ns(self, robot_ns: int) -> int | None:
-        """Return the due time of a requested frame if it is at or before a robot time [ns], else None."""
+        """Return the due time of a requested frame if a robot time [ns] has reached it, else None."""
         return self._due_ns if self._due_ns is not None and self._due_ns <= robot_ns else None
 
     def is_frame_due(self, robot_ns: int) -> bool:
-        """Return whether a frame is due, even if none was requested: objects expire without messages."""
+        """Return whether a frame is due, requested or not: objects expire without messages."""
         return robot_ns >= (self._frame_ns + self._interval_ns if self._due_ns is None else self._due_ns)
 
     def begin_frame(self, robot_ns: int) -> None:

@@ -176,7 +176,7 @@ def _from_yuv(pairs: Pixels, bright: tuple[int, int], u_at: int, v_at: int) -> P
 
 
 def _median(values: deque[float], new: float, window: int) -> float:
-    """Return the median of the last values, the upper one of two, truncated to an integer as in RViz."""
+    """Return the (upper) median of the last values, truncated to an integer as in RViz."""
     while len(values) > window - 1:
         values.pop()
     values.appendleft(new)
@@ -278,7 +278,7 @@ class ImageDisplay(PictureDisplay):
         return super().is_shown(prop) and (is_normalized or prop in PictureDisplay.properties)
 
     def limits(self, values: AnyArray) -> tuple[float, float]:
-        """Return the values of black and white: the properties, truncated as in RViz, or measured values."""
+        """Return the values of black and white: properties, truncated as in RViz, or measured."""
         if self["Normalize Range"]:
             return self._range.add(values, self["Median window"])
         return float(int(self["Min Value"])), float(int(self["Max Value"]))
@@ -361,18 +361,16 @@ class CameraDisplay(PictureDisplay):
             self.context.scene.delete(f"{self.path}/picture")
             return
         self.statuses.set("ok", "Time", "ok")
-        self.context.scene.set_object(f"{self.path}/picture", self._inset(pixels, camera, width, height))
-
-    def _inset(self, pixels: Pixels, camera: Camera, columns: int, rows: int) -> Inset:
         rendering, p = self["Image Rendering"], self._info.p
         over = 0.0 if rendering == _BACK else self["Overlay Alpha"]
         hidden_paths = tuple(
             f"displays/{node_name(name)}" for name, on in self["Visibility"].items() if not on
         )
         # Pixels need not be square.
-        aspect = columns / rows * p[5] / p[0]
-        area = self._image_area(columns, rows)
-        return Inset(pixels, aspect, camera, rendering != _OVER, over, hidden_paths, area)
+        aspect = width / height * p[5] / p[0]
+        area = self._image_area(width, height)
+        inset = Inset(pixels, aspect, camera, rendering != _OVER, over, hidden_paths, area)
+        self.context.scene.set_object(f"{self.path}/picture", inset)
 
     def _image_area(self, columns: int, rows: int) -> tuple[float, float, float, float]:
         """Return the part of the picture that the image covers, like a region of interest.

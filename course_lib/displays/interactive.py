@@ -403,7 +403,7 @@ class SceneMarker:
         point: Floats | None,
         menu_entry_id: int = 0,
     ) -> None:
-        """Send feedback, in the reference frame if the marker is locked to it, else in the fixed frame."""
+        """Send feedback, in the reference frame if the marker is locked to it, else the fixed frame."""
         feedback = motion.make(
             FEEDBACK, event_type=event, marker_name=self.message.name, control_name=control.message.name,
             client_id=_CLIENT, menu_entry_id=menu_entry_id, mouse_point_valid=point is not None,

@@ -294,7 +294,7 @@ _LISTS = (LINE_STRIP, LINE_LIST, 6, 7, POINTS)
 
 
 class Rule(NamedTuple):
-    """A problem that RViz does not report: a predicate, and a format string with fields of the marker."""
+    """A problem that RViz does not report: a predicate, and a format string for the marker."""
 
     holds: Callable[[Any], bool]
     text: str
@@ -486,7 +486,7 @@ class MarkerStore:
                 self._delete(key)
 
     def moved_frame_hints(self) -> Iterator[tuple[str, str]]:
-        """Yield name and hint of each marker whose frame has moved in the second after its reception."""
+        """Yield name and hint of each marker whose frame has moved within a second of its reception."""
         for live in self.live.values():
             frame, then = live.marker.header.frame_id, live.transform_frame_to_fixed
             now = self._context.frames.transform(frame)
@@ -541,7 +541,10 @@ class MarkerStore:
         before: DisplayedMarker | None,
     ) -> DisplayedMarker:
         """Put a marker's drawing into the scene, or reuse the existing one if it is equal."""
-        path = self._node(marker)
+        # A locked marker moves with its frame.
+        base = f"{self._path}/{node_name(marker.ns)}/{marker.id}"
+        frame = marker.header.frame_id.removeprefix("/")
+        path = f"frames/{node_name(frame)}/{base}" if marker.frame_locked else base
         scene = self._context.scene
         if (
             before
@@ -560,12 +563,6 @@ class MarkerStore:
             scene.set_object(f"{path}/{part}", drawable)
         is_shown = before.is_shown if before else True
         return DisplayedMarker(marker, drawing, path, received_ns, is_shown)
-
-    def _node(self, marker: Any) -> str:
-        """Return the path of a marker, below its frame if it is locked to it."""
-        base = f"{self._path}/{node_name(marker.ns)}/{marker.id}"
-        frame = marker.header.frame_id.removeprefix("/")
-        return f"frames/{node_name(frame)}/{base}" if marker.frame_locked else base
 
     def _place_marker(self, live: DisplayedMarker) -> None:
         """Place a marker by the transform at its stamp, or in its frame if it is locked to it."""
@@ -618,7 +615,7 @@ _REPEATED = (
 
 
 def _drawing_key(marker: Any) -> tuple[Any, ...] | None:
-    """Return a key with all inputs of a drawing, or None if comparing it would cost as much as drawing."""
+    """Return a key with a drawing's inputs, or None if comparing costs as much as drawing."""
     if len(marker.points) or len(marker.colors):
         return None
     s, c = marker.scale, marker.color
@@ -692,7 +689,7 @@ class _Markers(TopicDisplay):
 
 
 class MarkerDisplay(_Markers):
-    """Markers, drawn once their transform is known; arrays on ``<topic>_array`` are drawn immediately."""
+    """Markers, drawn with a known transform; arrays on ``<topic>_array`` are drawn immediately."""
 
     queue_label = QUEUE_LABEL
     class_name = "rviz_default_plugins/Marker"

@@ -159,7 +159,7 @@ def words(*options: str) -> LimitedConversion:
 
 
 def color(value: Any) -> Color:
-    """Convert a value to a color: ``R; G; B`` in 0..255 as in RViz, three numbers, ``#rrggbb`` or a name."""
+    """Convert ``R; G; B`` in 0..255 as in RViz, three numbers, ``#rrggbb`` or a name to a color."""
     from PIL import ImageColor
 
     try:

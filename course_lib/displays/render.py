@@ -1,4 +1,4 @@
-"""Render recordings and robots through RViz's displays: as images, pages, or in a browser (`course view`)."""
+"""Render recordings and robots through RViz's displays: images, pages, or `course view`."""
 
 import asyncio
 import sys
@@ -80,7 +80,7 @@ def record_bag(
 
 
 def session_for(recording: Recording, rviz_path: str | Path | None = None) -> RvizSession:
-    """Return a session with a layout, or with displays that suit a recording, before its first message."""
+    """Return a session with a layout, or displays that suit a recording, before its first message."""
     session = RvizSession(Scene(), start_ns=recording.start_ns, match_qos=False)
     session.is_replay = True
     if rviz_path is None:

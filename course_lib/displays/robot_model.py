@@ -137,7 +137,7 @@ def mass(inertial: Inertial) -> Solids:
 
 
 def inertia(inertial: Inertial) -> Solids | None:
-    """Draw an inertia as a homogeneous box with this inertia, or return None if no body can have it."""
+    """Draw an inertia as a homogeneous box, or return None if no body can have it."""
     if not np.isfinite(inertial.inertia).all():
         return None
     # The moments of inertia about the principal axes.
@@ -335,7 +335,7 @@ class RobotModelDisplay(TopicDisplay):
         self._shown_state: tuple[bool, dict[str, Any]] | None = None
 
     def is_shown(self, prop: Property) -> bool:
-        """Return whether the panel has a row: RViz hides an unused topic, and the links of no robot."""
+        """Return whether the panel has a row: RViz hides an unused topic and empty links."""
         is_used = {_TOPIC: self["Description Source"] == "Topic", "Links": bool(self._links)}
         if len(prop.names) == 2 and prop.names[0] == "Joints":
             # RViz removes the check box of a joint that moves no geometry.

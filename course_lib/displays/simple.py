@@ -504,7 +504,7 @@ class JointEffort:
         return fraction + _MIN_EFFORT
 
     def draw(self, scale: float, width: float) -> tuple[Floats, Matrix]:
-        """Return the points of the circle in the fixed frame, shape (30, 3), and the placement of its tip."""
+        """Return the circle's points in the fixed frame, shape (30, 3), and its tip's placement."""
         radius, sign = _MIN_EFFORT + self.fraction * scale / 2, -1 if self.effort < 0 else 1
         arc = np.column_stack([sign * np.sin(_EFFORT_ARC), np.cos(_EFFORT_ARC), 0 * _EFFORT_ARC]) * radius
         circle = arc @ self.transform_to_fixed[:3, :3].T + self.transform_to_fixed[:3, 3]
@@ -514,7 +514,7 @@ class JointEffort:
 
 
 class EffortDisplay(DrawnDisplay):
-    """Efforts of revolute joints, as circular arrows about their axes, larger and redder near the limit."""
+    """Efforts of revolute joints: circular arrows about the axes, larger and redder near the limit."""
 
     class_name = "rviz_default_plugins/Effort"
     type_name = "sensor_msgs/msg/JointState"

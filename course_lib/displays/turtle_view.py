@@ -62,8 +62,12 @@ class TurtleView:
             path = f"{ROOT}/turtles/{name}"
             if name not in self._turtles:
                 self._turtles[name] = next(self._numbers)
-                for part, drawable in _turtle_drawables(self._turtles[name]).items():
-                    scene.set_object(f"{path}/{part}", drawable)
+                # A turtle faces x, with a shell in its own color.
+                limbs = [placement(UNTURNED, (long, wide, 0.1), (x, y, 0.1)) for x, y, long, wide in LIMBS]
+                shell = placement(UNTURNED, (0.75, 0.62, 0.2), (0.0, 0.0, 0.2))
+                shell_color = SHELLS[self._turtles[name] % len(SHELLS)]
+                scene.set_object(f"{path}/limbs", Solids("sphere", limbs, SKIN))
+                scene.set_object(f"{path}/shell", Solids("sphere", [shell], shell_color))
             scene.set_transform(path, _pose(turtle.x, turtle.y, turtle.theta))
 
     def _draw_lines(self, canvas: Canvas) -> None:
@@ -83,16 +87,6 @@ class TurtleView:
         if self._drawn.get(name) != state:
             self._drawn[name] = state
             self.viewer.scene.set_object(f"{ROOT}/{name}", drawable)
-
-
-def _turtle_drawables(number: int) -> dict[str, Drawable]:
-    """Return the drawables of a turtle that faces x, with a shell in its own color."""
-    limbs = [placement(UNTURNED, (long, wide, 0.1), (x, y, 0.1)) for x, y, long, wide in LIMBS]
-    shell = placement(UNTURNED, (0.75, 0.62, 0.2), (0.0, 0.0, 0.2))
-    return {
-        "limbs": Solids("sphere", limbs, SKIN),
-        "shell": Solids("sphere", [shell], SHELLS[number % len(SHELLS)]),
-    }
 
 
 def _pose(x: float, y: float, theta: float) -> Matrix:

@@ -141,18 +141,15 @@ class Viewer(KnownAttributes):
         cell, run = running_cell() or (None, None)
         source = (cell, full_class_name, display_name, topic)
         if cell is not None:
-            self._remove_of_last_run(source, run)
+            # The cell was run again: replace the display that it added with the same arguments.
+            for earlier in self.displays:
+                other_source, other_run = self._sources.get(earlier, (None, None))
+                if other_source == source and other_run != run:
+                    self.remove(earlier)
+                    break
         display = self.session.add(full_class_name, display_name, {}, group=holder, **properties)
         self._sources[display] = source, run
         return display
-
-    def _remove_of_last_run(self, source: Source, run: str | None) -> None:
-        """Remove the display that another run of the same cell added with the same arguments."""
-        for display in self.displays:
-            other_source, other_run = self._sources.get(display, (None, None))
-            if other_source == source and other_run != run:
-                self.remove(display)
-                break
 
     def remove(self, display: Display) -> None:
         """Remove a display."""

@@ -578,7 +578,11 @@ def _are_in_view(camera: Camera, corners: Floats) -> bool:
 
 def _move(view: Orbit, corners: Floats) -> bool:
     """Move a view so that it shows all corners. Return whether it has changed."""
-    values = _orbit_around(corners, view)
+    focus = np.round((corners.min(axis=0) + corners.max(axis=0)) / 2, 2)
+    camera = Camera(tuple(focus + direction(view["Yaw"], view["Pitch"])), tuple(focus))
+    distance = _distance_to_fit(corners, camera, focus, filled_share=_FILLED_SHARE)
+    x, y, z = (focus + 0.0).tolist()
+    values = {"Distance": min(max(round(distance, 1), _NEAREST), _FARTHEST), "Focal Point": (x, y, z)}
     is_changed = any(view[label] != value for label, value in values.items())
     view.set_quietly(values)
     return is_changed
@@ -591,15 +595,6 @@ def _with_origin(bounds: Floats) -> Floats:
     if np.linalg.norm(high - low) < _FAR_AWAY * distance:
         return bounds
     return np.stack([np.minimum(low, -_AROUND_ORIGIN), np.maximum(high, _AROUND_ORIGIN)])
-
-
-def _orbit_around(corners: Floats, view: Orbit) -> dict[str, Any]:
-    """Return the properties with which an Orbit of the fixed frame shows all corners."""
-    focus = np.round((corners.min(axis=0) + corners.max(axis=0)) / 2, 2)
-    camera = Camera(tuple(focus + direction(view["Yaw"], view["Pitch"])), tuple(focus))
-    distance = _distance_to_fit(corners, camera, focus, filled_share=_FILLED_SHARE)
-    x, y, z = (focus + 0.0).tolist()
-    return {"Distance": min(max(round(distance, 1), _NEAREST), _FARTHEST), "Focal Point": (x, y, z)}
 
 
 def _distance_to_fit(corners: Floats, camera: Camera, focus: Floats, filled_share: float) -> float:

@@ -47,6 +47,10 @@ def document(session: RvizSession) -> dict[str, Any]:
         tool.class_name: _with_properties(tool, {"Class": tool.class_name}) for tool in session.tools
     }
     tools = [tool_configs.pop(text_at(config, "Class"), config) for config in session.layout.tools]
+    # RViz's own look is not written, because RViz has no such property.
+    global_options = _with_properties(session.options, {})
+    if session.options[LOOK.label] == LOOK.default:
+        del global_options[LOOK.label]
     result: dict[str, Any] = _sort_keys(
         {
             "Panels": [{"Class": f"rviz_common/{name}", "Name": name} for name in _PANELS],
@@ -60,23 +64,12 @@ def document(session: RvizSession) -> dict[str, Any]:
                 **manager,
                 "Displays": [member_config(member) for member in session.tree.members] or None,
                 "Tools": tools or [*tool_configs.values()],
-                "Global Options": _options(session.options),
+                "Global Options": global_options,
                 "Views": {**_map(manager, "Views"), **views},
             },
         }
     )
     return result
-
-
-def _options(options: Options) -> dict[str, Any]:
-    """Return the Global Options.
-
-    RViz's own look is not written, because RViz has no such property.
-    """
-    config = _with_properties(options, {})
-    if options[LOOK.label] == LOOK.default:
-        del config[LOOK.label]
-    return config
 
 
 def member_config(member: Display | Group) -> dict[str, Any]:

@@ -207,16 +207,13 @@ class DdsBridge:
         else:
             self._declared[entity.key] = self._class.announce(declared)
         if entity.kind == "subscription" and entity.topic in self._sends:
-            self._add_command_topic(entity, known_hash)
-
-    def _add_command_topic(self, entity: Entity, known_hash: str) -> None:
-        """Declare the publisher of a command in advance, because the first one would be lost."""
-        key = entity.topic, entity.type_name
-        command = self._commands.get(key)
-        if command is None:
-            endpoint = self._robot.endpoint(self._own_node, "publisher", *key, COMMAND_QOS, known_hash)
-            command = CommandTopic(self._robot.publisher(endpoint), "")
-        self._commands[key] = CommandTopic(command.publisher, entity.type_hash)
+            # The publisher of a command is declared in advance, because the first command would be lost.
+            key = entity.topic, entity.type_name
+            command = self._commands.get(key)
+            if command is None:
+                endpoint = self._robot.endpoint(self._own_node, "publisher", *key, COMMAND_QOS, known_hash)
+                command = CommandTopic(self._robot.publisher(endpoint), "")
+            self._commands[key] = CommandTopic(command.publisher, entity.type_hash)
 
     def _offer(self, service: str) -> None:
         """Offer an allowed service on the Zenoh side once, for its first server.

@@ -139,7 +139,7 @@ def distance(x: float, y: float, angle: float) -> float:
 
 
 class Description(Node):
-    """Publishes the robot's description and its static transforms, even to late-joining subscriptions."""
+    """Publishes the robot's description and its static transforms, both latched."""
 
     def __init__(self) -> None:
         super().__init__("robot_state_publisher")

@@ -242,7 +242,7 @@ def find_student(users: Sequence[GatewayUser], query: str) -> GatewayUser:
 
 
 def _ros_names(ids: Iterable[str]) -> dict[str, str]:
-    """Return a unique ROS name for each ID, from lower-case letters, digits and single underscores."""
+    """Return a unique ROS name for each ID: lower-case letters, digits and single underscores."""
     names: dict[str, str] = {}
     for student_id in ids:
         plain = re.sub(r"[^a-z0-9]+", "_", student_id.casefold()).strip("_")

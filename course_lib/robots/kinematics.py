@@ -157,13 +157,6 @@ class Motions:
         p = positions[:, None, None]
         return self.still + np.sin(p) * self.sines + (1 - np.cos(p)) * self.cosines + p * self.slides
 
-    def root_transforms(self, positions: Floats) -> list[Matrix]:
-        """Return transform_child_to_root of all joints."""
-        poses: list[Matrix] = []
-        for above, step in zip(self.above, self.steps(positions), strict=True):
-            poses.append(step if above < 0 else poses[above] @ step)
-        return poses
-
 
 @lru_cache(maxsize=32)
 def motions_of(tree: Urdf) -> Motions:
@@ -222,7 +215,9 @@ def link_poses(robot: Robot, positions: Mapping[str, float] | None = None) -> di
         array([0.78, 0.26, 0.27])
     """
     motions = motions_of(robot.tree)
-    poses = motions.root_transforms(configuration(robot, positions or {}))
+    poses: list[Matrix] = []
+    for above, step in zip(motions.above, motions.steps(configuration(robot, positions or {})), strict=True):
+        poses.append(step if above < 0 else poses[above] @ step)
     return {robot.tree.root: np.eye(4)} | {
         joint.child: pose for joint, pose in zip(motions.joints, poses, strict=True)
     }
@@ -326,7 +321,9 @@ def joints_for(
         True
     """
     arm = arm_of(robot, link)
-    goal, tries = _check_pose(transform_link_to_root), []
+    goal, tries = np.array(transform_link_to_root, float), []
+    if goal.shape != (4, 4) or not np.allclose(goal[:3, :3] @ goal[:3, :3].T, np.eye(3), atol=1e-6):
+        raise CourseError(f"The pose {goal.tolist()} is not a rigid transform of shape (4, 4), link to root.")
     random, positions = np.random.default_rng(0), arm.with_mimic_joints(configuration(robot, start or {}))
     lower, upper = np.maximum(arm.lower, -np.pi)[arm.driven], np.minimum(arm.upper, np.pi)[arm.driven]
     for _ in range(STARTS):
@@ -345,13 +342,6 @@ def joints_for(
         f"best pose found is {meters:.2f} m and {degrees:.0f}° away. Choose a pose closer to the "
         "arm, or drive there."
     )
-
-
-def _check_pose(transform: npt.ArrayLike) -> Floats:
-    pose = np.array(transform, float)
-    if pose.shape != (4, 4) or not np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-6):
-        raise CourseError(f"The pose {pose.tolist()} is not a rigid transform of shape (4, 4), link to root.")
-    return pose
 
 
 @dataclass(frozen=True, eq=False)
@@ -411,24 +401,19 @@ def arm_of(robot: Robot, link: str) -> Arm:
         chain.insert(0, at)
         at = motions.above[at]
     limits = np.array([_limits(joint) for joint in motions.joints]).reshape(-1, 2)
-    factors, offsets = _mimic_matrices(robot.tree, motions)
+    # The matrix and the offsets compute mimic joints from the joints that they follow.
+    factors, offsets = np.eye(len(motions.joints)), np.zeros(len(motions.joints))
+    for number, joint in enumerate(motions.joints):
+        follow = robot.tree.resolve_mimic(joint)
+        if joint.kind in MOVING and follow.joint != joint.name:
+            leads = robot.tree.joints[follow.joint].kind in MOVING
+            factors[number, number] = 0.0
+            factors[number, motions.numbers[follow.joint]] = follow.factor if leads else 0.0
+            offsets[number] = follow.offset
     driven_joints = [int(joint) for number in chain for joint in np.flatnonzero(factors[number])]
     return Arm(
         motions, chain, list(dict.fromkeys(driven_joints)), limits[:, 0], limits[:, 1], factors, offsets
     )
-
-
-def _mimic_matrices(tree: Urdf, motions: Motions) -> tuple[Matrix, Floats]:
-    """Return the matrix and the offsets that compute mimic joints from the joints that they follow."""
-    factors, offsets = np.eye(len(motions.joints)), np.zeros(len(motions.joints))
-    for number, joint in enumerate(motions.joints):
-        follow = tree.resolve_mimic(joint)
-        if joint.kind in MOVING and follow.joint != joint.name:
-            leads = tree.joints[follow.joint].kind in MOVING
-            factors[number, number] = 0.0
-            factors[number, motions.numbers[follow.joint]] = follow.factor if leads else 0.0
-            offsets[number] = follow.offset
-    return factors, offsets
 
 
 def _limits(joint: Joint) -> tuple[float, float]:

@@ -367,18 +367,6 @@ class PaintNode(Node):
             self.get_logger().warning(says, throttle_duration_sec=5.0, skip_first=True)
             return
         before, self._height = self._height, self._base_position("base_link", self._wrist)[2]
-        if self._has_base_moved() or not (
-            abs(self._height - before) > LEAST_RISE and self._height > LEAST_HEIGHT
-        ):
-            self._is_new = True
-            return
-        if self._is_new:
-            self.stripes.append([])
-            self._is_new = False
-        self.stripes[-1].append(self._base_position("map", self._wrist))
-        self._publish()
-
-    def _has_base_moved(self) -> bool:
         now = self.get_clock().now().nanoseconds / 1e9
         self._track.append((now, self._base_position("map", "base_link")))
         while now - self._track[0][0] > WINDOW:
@@ -388,7 +376,14 @@ class PaintNode(Node):
         )
         if has_moved:
             self._track.clear()
-        return has_moved
+        if has_moved or not (abs(self._height - before) > LEAST_RISE and self._height > LEAST_HEIGHT):
+            self._is_new = True
+            return
+        if self._is_new:
+            self.stripes.append([])
+            self._is_new = False
+        self.stripes[-1].append(self._base_position("map", self._wrist))
+        self._publish()
 
     def _base_position(self, frame: str, link: str) -> Floats:
         translation = self._buffer.lookup_transform(frame, link, Time()).transform.translation

@@ -253,12 +253,8 @@ def write_map(
         f"origin: [{position.x:.3f}, {position.y:.3f}, {yaw:.7g}]\nnegate: 0\n"
         f"occupied_thresh: {high}\nfree_thresh: {low}\n"
     )
-    _write_together({files[0]: encoded.getvalue(), files[1]: text.encode()})
-    return files
-
-
-def _write_together(contents: Mapping[Path, bytes]) -> None:
-    """Write all files, or leave all of them as they were."""
+    # Write both files, or leave both as they were.
+    contents = {files[0]: encoded.getvalue(), files[1]: text.encode()}
     drafts = {path: path.with_name(f".{path.name}.draft") for path in contents}
     try:
         for path, content in contents.items():
@@ -268,6 +264,7 @@ def _write_together(contents: Mapping[Path, bytes]) -> None:
     finally:
         for draft in drafts.values():
             draft.unlink(missing_ok=True)
+    return files
 
 
 def _gray_levels(

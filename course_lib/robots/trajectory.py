@@ -361,7 +361,10 @@ class JointTrajectoryController(Node):
 
     def _update(self) -> None:
         now = self.get_clock().now()
-        self._publish(now)
+        state = JointState(name=self._joints.names)
+        state.position, state.velocity = self._joints.positions, self._joints.velocities
+        state.header.stamp = now.to_msg()
+        self._states.publish(state)
         if self._next_trajectory:
             self._begin(*self._next_trajectory, now)
         seconds = (now.nanoseconds - self._start_ns) / 1e9
@@ -403,9 +406,3 @@ class JointTrajectoryController(Node):
     def _hold(self) -> None:
         """Hold the current positions."""
         self._waypoints = [Waypoint(0.0, self._joints.positions[np.newaxis])]
-
-    def _publish(self, now: Time) -> None:
-        state = JointState(name=self._joints.names)
-        state.position, state.velocity = self._joints.positions, self._joints.velocities
-        state.header.stamp = now.to_msg()
-        self._states.publish(state)

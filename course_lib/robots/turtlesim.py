@@ -170,7 +170,15 @@ class Turtle:
     def update(self, seconds: float) -> None:
         """Move for a time [s], and publish pose and color."""
         while self._teleports:
-            self._jump(self._teleports.popleft())
+            request = self._teleports.popleft()
+            left = self.x, self.y
+            if isinstance(request, TeleportRelative.Request):
+                self.theta += request.angular
+                self.x += math.cos(self.theta) * request.linear
+                self.y += math.sin(self.theta) * request.linear
+            else:
+                self.x, self.y, self.theta = request.x, min(SIZE, request.y), request.theta
+            self._canvas.line(self.pen, left, (self.x, self.y))
         if self._goal is not None:
             self._steer(self._goal)
         if self._node.get_clock().now().nanoseconds - self._commanded_ns > PATIENCE_NS:
@@ -219,16 +227,6 @@ class Turtle:
     ) -> TeleportAbsolute.Response | TeleportRelative.Response:
         self._teleports.append(request)
         return response
-
-    def _jump(self, request: TeleportAbsolute.Request | TeleportRelative.Request) -> None:
-        before = self.x, self.y
-        if isinstance(request, TeleportRelative.Request):
-            self.theta += request.angular
-            self.x += math.cos(self.theta) * request.linear
-            self.y += math.sin(self.theta) * request.linear
-        else:
-            self.x, self.y, self.theta = request.x, min(SIZE, request.y), request.theta
-        self._canvas.line(self.pen, before, (self.x, self.y))
 
     async def _rotate(self, goal: ServerGoalHandle) -> RotateAbsolute.Result:
         if self._goal is not None:

@@ -96,7 +96,17 @@ class Detector:
             missed, errors = chance.random() < self.miss_rate, self.noise * chance.standard_normal((2, 3))
             confidence = confidences.get(number, 0.0)
             if confidence and not missed:
-                detections.append(self._detection(number, poses[number], confidence, seconds, errors))
+                item = self.world.things[number]
+                track, last_seen = self._tracks.get(number, (0, -np.inf))
+                if seconds - last_seen > self.keep:
+                    track = self._new_track()
+                self._tracks[number] = track, seconds
+                transform = poses[number].copy()
+                transform[:3, 3] += errors[0]
+                velocity = item.velocity_at(seconds) + errors[1]
+                detections.append(
+                    Detection(track, item.label, confidence, transform, item.shape.size, velocity)
+                )
         alarms = chance.poisson(self.false_alarms)
         return detections + [self._false_alarm(seconds, chance) for _ in range(alarms)]
 
@@ -129,25 +139,6 @@ class Detector:
         middle = length.reshape(-1, len(_POINTS))[:, len(_POINTS) // 2]
         share *= np.maximum(0.0, 1 - 0.5 * middle / self.range_max)
         return share
-
-    def _detection(
-        self, number: int, pose: Floats, confidence: float, seconds: float, errors: Floats
-    ) -> Detection:
-        item = self.world.things[number]
-        track, last_seen = self._tracks.get(number, (0, -np.inf))
-        if seconds - last_seen > self.keep:
-            track = self._new_track()
-        self._tracks[number] = track, seconds
-        transform = pose.copy()
-        transform[:3, 3] += errors[0]
-        return Detection(
-            track,
-            item.label,
-            confidence,
-            transform,
-            item.shape.size,
-            item.velocity_at(seconds) + errors[1],
-        )
 
     def _false_alarm(self, seconds: float, chance: np.random.Generator) -> Detection:
         """Return a random box in the field of view, with a label of the world."""

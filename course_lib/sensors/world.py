@@ -402,7 +402,7 @@ class World:
         return Hits(distance, hit_numbers)
 
     def _near(self, centers: Floats, rays: Floats, far: float) -> list[Indices]:
-        """Return the rays that may hit each object's bounding sphere; centers (M, 3) from the sensor [m]."""
+        """Return the rays that may hit each bounding sphere; centers (M, 3) from the sensor [m]."""
         distances = np.linalg.norm(centers, axis=1)
         inside = distances <= self._reach
         # A ray meets the sphere if it points along the center at least as much as the tangents do.

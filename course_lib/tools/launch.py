@@ -118,19 +118,15 @@ def _find_in_package(share: Path, arguments: list[str]) -> Path:
 def _run(executables: Executables, source: Source, arguments: Namespace, write: Write) -> None:
     program = RunProgram(arguments.package_name, arguments.executable_name, arguments.argv, executables)
     if not current_graph().notebook:
-        _warn_of_course_options(arguments)
+        # Options of `course ros2` that follow the program's name are passed to the program.
+        launch_arguments = list(takewhile(lambda argument: argument != "--ros-args", arguments.argv))
+        for option, number in pairwise([*launch_arguments, "…"]):
+            if option in COURSE_OPTIONS:
+                sys.stderr.write(
+                    f"hint: {option} is passed to {arguments.executable_name}. To pass it to course, "
+                    f"write it first: course ros2 {option} {number} run {arguments.package_name} …\n"
+                )
     _start(source, program)
-
-
-def _warn_of_course_options(arguments: Namespace) -> None:
-    """Print a hint about options of `course ros2` that the program receives because they follow its name."""
-    launch_arguments = list(takewhile(lambda argument: argument != "--ros-args", arguments.argv))
-    for option, number in pairwise([*launch_arguments, "…"]):
-        if option in COURSE_OPTIONS:
-            sys.stderr.write(
-                f"hint: {option} is passed to {arguments.executable_name}. To pass it to course, "
-                f"write it first: course ros2 {option} {number} run {arguments.package_name} …\n"
-            )
 
 
 def _start(source: Source, program: "LaunchProgram | RunProgram") -> None:

@@ -159,7 +159,13 @@ def ros2(words: Sequence[str], source: Source, write: Write) -> None:
     if verb is None:
         _explain(list(words), write)
         return
-    parser, verb_arguments = _parser(verb, write), words[len(verb.words) :]
+    parser = _Parser(prog=f"ros2 {' '.join(verb.words)}", description=verb.help)
+    parser.write = write
+    groups: dict[str, Any] = defaultdict(parser.add_mutually_exclusive_group)
+    for option in verb.options:
+        target = groups[option.exclusive] if option.exclusive else parser
+        target.add_argument(*option.flags, **option.settings)
+    verb_arguments = words[len(verb.words) :]
     if HELP & set(verb_arguments):
         write(parser.format_help())
         return
@@ -191,16 +197,6 @@ class _Parser(ArgumentParser):
             else:
                 message += did_you_mean(option, self._option_string_actions)
         raise CourseError(f"{self.prog}: error: {message}")
-
-
-def _parser(verb: Verb, write: Write) -> ArgumentParser:
-    parser = _Parser(prog=f"ros2 {' '.join(verb.words)}", description=verb.help)
-    parser.write = write
-    groups: dict[str, Any] = defaultdict(parser.add_mutually_exclusive_group)
-    for option in verb.options:
-        target = groups[option.exclusive] if option.exclusive else parser
-        target.add_argument(*option.flags, **option.settings)
-    return parser
 
 
 def _explain(words: list[str], write: Write) -> None:

@@ -635,21 +635,18 @@ class LiveTime:
         """Return ROS time and wall time."""
         now_ns = self._view_time.ros_ns(self._graph.now_ns)
         wall_now, wall_elapsed = wall.time_ns() / NS, wall.monotonic() - self._wall
+        # ROS time starts anew with another source, and after a jump back.
+        source = self._view_time.use_sim_time
+        if self._start is None or self._start[0] != source or not 0 < self._start[1] <= now_ns:
+            self._start = source, now_ns
         return TimeState(
-            (now_ns - self._started_ns(now_ns)) / NS,
+            (now_ns - self._start[1]) / NS,
             self._speed.is_paused,
             self._speed.rate,
             now_ns / NS,
             wall=wall_now,
             wall_elapsed=wall_elapsed,
         )
-
-    def _started_ns(self, now_ns: int) -> int:
-        """Return the time at which ROS time started or was last reset."""
-        source = self._view_time.use_sim_time
-        if self._start is None or self._start[0] != source or not 0 < self._start[1] <= now_ns:
-            self._start = source, now_ns
-        return self._start[1]
 
     def act(self, change: TimeChange) -> None:
         """Step, pause or change the rate, or raise a MessageError if a robot controls the time."""
