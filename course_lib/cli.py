@@ -370,7 +370,7 @@ def collect(
         ),
     ] = "",
 ) -> None:
-    """Sort the download of a learning platform into submissions; unsafe files are rejected individually."""
+    """Sort the download of a learning platform into submissions; unsafe files are rejected one by one."""
     from course_lib.course.course_file import find_zone, shipped_course_file
     from course_lib.course.state import reject_other_course
     from course_lib.grading.submissions.collect import collect as sort
@@ -466,7 +466,7 @@ def mark(
     port: Annotated[int | None, typer.Option(min=0, help="With --serve: the port.")] = None,
     browser: Annotated[bool, typer.Option(help="With --serve: open the page.")] = True,
 ) -> None:
-    """Enter points by hand, which are kept if you grade again, or fill a column of a platform's CSV."""
+    """Enter points by hand, which later grading keeps, or fill a column of a platform's CSV."""
     if serve and lms is None and not given:
         from course_lib.grading.marking.server import serve as serve_page
 
@@ -637,7 +637,7 @@ def run(
         ),
     ] = None,
 ) -> None:
-    """Run programs in robot time, or with a robot. Arguments after `--` are passed to the programs."""
+    """Run programs in robot time, or with a robot. Arguments after `--` are the programs'."""
     if ros:
         from course_lib.real.process import run_on_ros
 

@@ -25,7 +25,7 @@ class CourseError(Exception):
         super().__init__(*(shorten_words(text) if isinstance(text, str) else text for text in arguments))
 
     def _render_traceback_(self) -> list[str]:
-        """Return the lines that IPython prints instead of a traceback, with or without the extension."""
+        """Return the lines that IPython prints instead of a traceback."""
         return [f"{type(self).__name__}: {self}"]
 
 

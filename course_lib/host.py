@@ -1,4 +1,4 @@
-"""The environment of this process: a notebook's kernel, a JupyterHub, and access to the user's browser."""
+"""The environment of this process: a kernel, a JupyterHub, and access to the user's browser."""
 
 import getpass
 import os

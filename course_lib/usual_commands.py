@@ -63,7 +63,7 @@ def ros2(
     seconds: float | None = None,
     robot: Any = None,
 ) -> int:
-    """Run a `ros2` command over programs, a recording or a robot, and return the programs' exit code."""
+    """Run a `ros2` command over programs, a recording or a robot; return the programs' exit code."""
     from course_lib.tools.run import ros2_over
 
     if seconds is None and robot is None:

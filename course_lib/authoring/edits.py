@@ -644,7 +644,7 @@ def find_false_passes(
 def false_passes(
     group: Sequence[Deletion], rehearsal_result: RehearsalResult
 ) -> Iterator[tuple[str, str, str]]:
-    """Yield (deletion, task, exception) for each crashing answer of a group that passes all public checks."""
+    """Yield (deletion, task, exception) for each crashing answer that passes all public checks."""
     results = {result.task: result for result in rehearsal_result.results}
     for deletion in group:
         for task in deletion.tasks:

@@ -236,7 +236,7 @@ def count_options(tasks: Iterable[Task]) -> int:
 
 
 def with_option(task: Task, row: int) -> Task:
-    """Return the task with only one option for each personal value, so that all students have the same."""
+    """Return the task with one option for each personal value, the same for all students."""
     rows, personal_values = count_options([task]), {}
     # With more than MOST combinations, the rows are spread evenly over them.
     number = row % rows * _count_combinations(task) // rows

@@ -143,7 +143,7 @@ def overlong_cells(page: NotebookPage) -> Iterator[str]:
 
 
 def first_cell_flaws(page: NotebookPage) -> Iterator[str]:
-    """Yield a flaw if the first cell does not load the extension, and for each unused import of the kit."""
+    """Yield a flaw for a first cell without the extension, and for each unused import of the kit."""
     first, *later_cells = page.code_cells or [""]
     if first.splitlines()[:1] != ["%load_ext course_lib"]:
         yield "the first code cell must begin with: %load_ext course_lib"
@@ -388,7 +388,7 @@ OURS = re.compile(r"(rclpy|tf2_\w+|\w+_msgs|launch\w*|course_lib|ament_index_pyt
 
 
 def untaught_names(solution: Path, lessons: Sequence[Path]) -> Iterator[str]:
-    """Yield each name from ROS or the kit that an answer uses and that does not occur in these lessons."""
+    """Yield each name from ROS or the kit in an answer that does not occur in these lessons."""
     taught = "\n".join(source(cell) for path in lessons for cell in read_notebook(path)["cells"])
     for name in dict.fromkeys(names_in_answers(code_of(solution))):
         if not re.search(rf"\b{re.escape(name)}\b", taught):
@@ -533,7 +533,7 @@ def input_flaws(week: str, course: Course) -> Iterator[Flaw]:
 
 
 def invalid_messages(task: Task, scenarios: Sequence[Scenario], path: Path) -> Iterator[Flaw]:
-    """Yield a flaw for each input and each message of the expected picture that does not fit its type."""
+    """Yield a flaw for each input, and message of the expected picture, that does not fit its type."""
     messages = [message for scenario in scenarios for message in scenario.inputs]
     literals = dict.fromkeys(
         problem

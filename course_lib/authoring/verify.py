@@ -344,7 +344,7 @@ def run_lesson(path: Path, seconds: float = SECONDS) -> list[Flaw]:
 
 
 def _reason(path: Path, output: str, code: int) -> str:
-    """Return the last error in a lesson's output, with its cell (numbered as in JupyterLab) and line."""
+    """Return the last error in a lesson's output, with its line and cell as in JupyterLab."""
     errors = ERROR.findall(output)
     error = errors[-1] if errors else f"exit code {code}"
     for line, text in reversed(FAILED_LINE.findall(output)):
@@ -618,7 +618,7 @@ def refuse_broken(course: Course, tell: Callable[[str], object] = lambda _: None
 
 
 def digest_of_week(course: Course, week: str) -> str:
-    """Return the digest of all files that a week's verification depends on, including earlier lessons."""
+    """Return the digest of all files that verify a week, including earlier lessons."""
     lessons = [path for path in course.lessons.glob("week*") if path.name[:6] <= week]
     files_of_week = [path for top in (course.exercises, course.solutions) for path in top.rglob(f"{week}*")]
     shared = [course.exercises / "course.toml", course.solutions / "answers" / "mutants.toml"]

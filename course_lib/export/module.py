@@ -1,4 +1,4 @@
-"""The code of an exported package: split a notebook or Python file into a module for each node class."""
+"""The code of an exported package: a module for each node class of a notebook or Python file."""
 
 import ast
 import builtins
@@ -174,7 +174,7 @@ def bound_names(node: ast.AST) -> Iterator[str]:
 
 
 def imported_modules(tree: ast.AST) -> frozenset[str]:
-    """Return the top-level names of the modules that code imports, even inside functions and classes."""
+    """Return the top-level names of imported modules, including imports in functions and classes."""
     names = set[str]()
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
@@ -185,7 +185,7 @@ def imported_modules(tree: ast.AST) -> frozenset[str]:
 
 
 def mutated_names(node: ast.stmt) -> Iterator[str]:
-    """Yield the names of objects that a statement mutates by a subscript, an attribute or a method call."""
+    """Yield the names of objects that a statement mutates: a subscript, attribute or method call."""
     targets: list[ast.expr] = []
     if isinstance(node, ast.Assign | ast.Delete):
         targets = node.targets

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from types import FrameType, TracebackType
+from types import FrameType
 from typing import Any, Self
 
 from course_lib.grading.run.outcome import describe
@@ -89,18 +89,15 @@ class CaughtErrors:
             _, error, trace = raised
             handler = _handler_of(frame.f_code.co_filename, frame.f_lineno, error)
             if handler is not None:
-                self._keep(error, trace, handler)
+                # An error gets its traceback only when a handler catches it.
+                before, error.__traceback__ = error.__traceback__, trace
+                text = f'"{handler.head}" hides this error: {describe(error)}'
+                error.__traceback__ = before
+                if handler.catches_all and isinstance(error, _MISTAKES):
+                    self.mistake = text
+                elif _is_late():
+                    self.other = text
         return self._trace_errors
-
-    def _keep(self, error: BaseException, trace: TracebackType, handler: Handler) -> None:
-        # An error gets its traceback only when a handler catches it.
-        before, error.__traceback__ = error.__traceback__, trace
-        text = f'"{handler.head}" hides this error: {describe(error)}'
-        error.__traceback__ = before
-        if handler.catches_all and isinstance(error, _MISTAKES):
-            self.mistake = text
-        elif _is_late():
-            self.other = text
 
 
 def _handlers(node: ast.AST) -> Iterator[Handler]:

@@ -85,7 +85,13 @@ def check(task_id: str, subject: Any = MISSING) -> None:
     cells = [] if history is None else list(history.input_hist_raw)
     save_progress(task, result, cells)
     table = table_of(task, result, evidence, student, _ADVICE, source, caught)
-    own_files = map(NOT_SUBMITTED.format, _own_modules())
+    # Python files of the notebook's folder that were imported are not submitted with it.
+    here = Path.cwd()
+    paths = [
+        getattr(module, "__file__", None) for name, module in sys.modules.copy().items() if name != "__main__"
+    ]
+    imported_files = sorted({Path(path).name for path in paths if path and Path(path).parent == here})
+    own_files = map(NOT_SUBMITTED.format, imported_files)
     notes = (*_mix_up_note(catalog, task, result, subject, cells), *table.notes, *own_files)
     table = replace(table, next_step=next_step(catalog, task), notes=notes)
     show(lambda: table, str(table))
@@ -141,15 +147,6 @@ def _mix_up_note(
             "it: delete the later cell, and run your own again."
         ]
     return []
-
-
-def _own_modules() -> list[str]:
-    """Return the imported Python files of the current folder, in a kernel the notebook's folder."""
-    here = Path.cwd()
-    paths = [
-        getattr(module, "__file__", None) for name, module in sys.modules.copy().items() if name != "__main__"
-    ]
-    return sorted({Path(path).name for path in paths if path and Path(path).parent == here})
 
 
 def table_of(

@@ -80,7 +80,7 @@ class Recording:
                 yield sample.stamp_ns, sample.message()
 
     def digest(self) -> str:
-        """Return the SHA-256 of all samples' topics, types, stamps and CDR bytes, in hexadecimal digits."""
+        """Return the SHA-256 of all samples' topics, types, stamps and CDR bytes, in hex."""
         total = hashlib.sha256()
         for sample in self.samples:
             stamp = sample.stamp_ns.to_bytes(8, "little", signed=True)
@@ -116,7 +116,7 @@ class Recorder:
 
 
 def record(graph: Graph) -> Recorder:
-    """Start to record all topics of a graph, including the samples kept for late-joining subscriptions."""
+    """Start to record all topics of a graph, including latched samples."""
     return Recorder(graph)
 
 
@@ -377,7 +377,7 @@ def _mcap(file: BinaryIO, path: Path) -> Iterator[Sample]:
 
 
 def _unpack_records(file: BinaryIO) -> Iterator[tuple[int, bytes]]:
-    """Yield opcode and content of complete records, also within chunks and in the incomplete last chunk."""
+    """Yield opcode and content of complete records, also within chunks and an incomplete last one."""
     at = file.tell()
     length = file.seek(0, os.SEEK_END)
     while at + 9 <= length:
@@ -682,7 +682,7 @@ def bag_info(folder: str | Path, *, digest: bool = True) -> str:
 
 
 def bag_metadata(folder: Path) -> dict[str, Any]:
-    """Read the metadata, which a recorder writes when it stops; empty if it is missing or malformed."""
+    """Read the metadata that a recorder writes when it stops; empty if missing or malformed."""
     import yaml
 
     try:
@@ -702,7 +702,7 @@ def _topics_in_metadata(about: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def topic_counts(about: dict[str, Any], recording: Recording) -> dict[tuple[str, str], int]:
-    """Count the messages by topic and type, including topics without messages, in the order of the file."""
+    """Count the messages by topic and type, also topics without messages, in the file's order."""
     counts = {(topic.name, topic.type_name): topic.count for topic in recording.topics()}
     listed = [(topic.get("name"), topic.get("type")) for topic in _topics_in_metadata(about)]
     topics = dict.fromkeys([*((str(name), str(kind)) for name, kind in listed if name and kind), *counts])

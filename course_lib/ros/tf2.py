@@ -135,7 +135,7 @@ def invert(pose: Pose) -> Pose:
 
 
 def normalized(rotation: Quaternion) -> Quaternion:
-    """Return the unit quaternion (x, y, z, w), with the sign given by tf2's conversion through a matrix."""
+    """Return the unit quaternion (x, y, z, w), with the sign of tf2's conversion through a matrix."""
     x, y, z, w = to_unit_quaternion(rotation)
     leading = w if abs(w) > 0.5 else max((x, y, z), key=abs)
     return (-x, -y, -z, -w) if leading < 0 else (x, y, z, w)
@@ -231,7 +231,7 @@ class TimeCache:
         return self._transforms[-1] if self._transforms else None
 
     def span(self) -> tuple[int, int, int]:
-        """Return the number of transforms, and the oldest and newest stamp [ns]; zeros if it is empty."""
+        """Return the number of transforms, and the oldest and newest stamp [ns], or zeros."""
         transforms = self._transforms
         return (len(transforms), transforms[0].stamp_ns, transforms[-1].stamp_ns) if transforms else (0, 0, 0)
 
@@ -606,7 +606,7 @@ def as_yaml(buffer: BufferCore) -> str:
 
 
 def parents(buffer: BufferCore) -> dict[str, str]:
-    """Return the latest parent of each frame that has one, in the order of the frames' first occurrence."""
+    """Return the latest parent of each frame that has one, in the order of first occurrence."""
     pairs = ((frame, buffer.parent(frame)) for frame in buffer.frames())
     return {frame: parent for frame, parent in pairs if parent is not None}
 

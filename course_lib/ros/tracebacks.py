@@ -72,7 +72,7 @@ def hide_kit_frames(trace: TracebackType | None) -> tuple[TracebackType | None, 
 
 
 def shorten_causes(error: BaseException) -> None:
-    """Remove the kit's frames from the causes of an error, and causes that are entirely in the kit."""
+    """Remove the kit's frames from an error's causes, and causes that are entirely in the kit."""
     visited = {id(error)}
     outer = error
     while (inner := outer.__cause__ or outer.__context__) is not None and id(inner) not in visited:
@@ -85,7 +85,7 @@ def shorten_causes(error: BaseException) -> None:
 
 
 def print_error(error: BaseException) -> None:
-    """Print an error to stderr as Python does, without the kit's frames and without causes in the kit."""
+    """Print an error to stderr as Python does, without frames and causes in the kit."""
     add_hint(error)
     trace = TracebackException.from_exception(error)
     _shorten(trace)
@@ -160,7 +160,7 @@ def line_of_thread(ident: int) -> str:
 
 
 def is_importing(ident: int) -> bool:
-    """Return whether a thread is importing a module of Python or of a library, which may take seconds."""
+    """Return whether a thread is importing a library's module, which may take seconds."""
     for frame, _ in walk_stack(sys._current_frames().get(ident)):
         if is_own(frame.f_code.co_filename):
             return False

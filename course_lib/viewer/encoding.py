@@ -109,7 +109,7 @@ def columns(matrices: Float32s) -> Float32s:
 
 
 def _encode_value(value: Any) -> Any:
-    """Encode values that msgpack does not support. meshcat's umsgpack.Ext is recognized by its two fields."""
+    """Encode values that msgpack does not support; meshcat's umsgpack.Ext has two fields."""
     if isinstance(value, np.ndarray):
         for dtype, code in ((np.float32, _FLOAT32), (np.uint32, _UINT32), (np.uint8, _UINT8)):
             if value.dtype == dtype:
@@ -226,7 +226,7 @@ ENVELOPE = frozenset({"type", "page", "number"})
 
 
 class Message(msgspec.Struct, frozen=True, rename="camel", omit_defaults=True, forbid_unknown_fields=True):
-    """Base class of the JSON messages between Python and a page; fields have JavaScript's names there."""
+    """Base class of the JSON messages of Python and pages; there, fields have JavaScript's names."""
 
 
 class MessageError(CourseError):

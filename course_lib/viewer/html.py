@@ -131,7 +131,7 @@ _CODE = """\
 
 
 def save_html(scene: Scene | SceneRecording, path: str | Path, title: str = "3D view") -> Path:
-    """Write a page that shows a scene, or plays a recording, and works offline and as a local file."""
+    """Write a page that shows a scene or plays a recording, offline and as a local file, too."""
     path = Path(path)
     write_atomically(Path(os.path.realpath(path)), static_page(scene, title).encode())
     return path

@@ -1,4 +1,4 @@
-"""The scene: a tree of named nodes that stores the last value of everything set on it, and bounding boxes."""
+"""The scene: a tree of named nodes that stores the last values, and bounding boxes."""
 
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -113,7 +113,7 @@ class Scene:
             self._notify("animation", "")
 
     def delete(self, path: str) -> None:
-        """Remove a node and all nodes below it; "" empties the scene, and a missing node is not an error."""
+        """Remove a node and all nodes below it, if it exists; "" empties the scene."""
         with self.lock:
             node = self.find(path)
             if node is None:
@@ -212,7 +212,7 @@ class Scene:
         return self._nodes.get(path) or self._nodes.get(_normal(path))
 
     def listen(self, listener: Listener) -> Callable[[], None]:
-        """Call a function with kind and path of every change, and return a function that removes it."""
+        """Call a function with kind and path of every change; return a function that removes it."""
         self._listeners += (listener,)
 
         def stop() -> None:

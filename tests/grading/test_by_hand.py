@@ -12,7 +12,7 @@ import pytest
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
 from course_lib.grading.marking.by_hand import mark_by_hand
-from course_lib.grading.marking.submitted_code import submitted_code
+from course_lib.grading.marking.server import submitted_code
 from course_lib.grading.marks import read_result, results_in
 from course_lib.grading.reports.tables import write_gradebook
 from course_lib.grading.store import Course, lock_folder, result_path

@@ -52,7 +52,13 @@ def distribution_files() -> Iterator[str]:
     """
     for package in _declared_distributions():
         folder = Path(str(package.locate_file("")))
-        names = _record_entries(package)
+        # The top-level names in RECORD, and the full paths in a shared `__pycache__`.
+        names = {_metadata_folder(package)}
+        for line in (package.read_text("RECORD") or "").splitlines():
+            path = line.strip('"').split(",", 1)[0]
+            first = path.split("/", 1)[0]
+            if first not in ("", "..") and not path.startswith("/"):
+                names.add(path if first == CACHE else first)
         # The distribution has no RECORD, or was installed with -e.
         if not names - {_metadata_folder(package)} - {name for name in names if name.endswith(".pth")}:
             names |= set((package.read_text("top_level.txt") or "").split())
@@ -98,17 +104,6 @@ def _requirements(package: Distribution) -> Sequence[str]:
         return package.requires or ()
     key = "Requires-Dist:"
     return [line.removeprefix(key).strip() for line in head.splitlines() if line.startswith(key)]
-
-
-def _record_entries(package: Distribution) -> set[str]:
-    """Return the top-level names in a RECORD file, and the full paths in a shared `__pycache__`."""
-    names = {_metadata_folder(package)}
-    for line in (package.read_text("RECORD") or "").splitlines():
-        path = line.strip('"').split(",", 1)[0]
-        first = path.split("/", 1)[0]
-        if first not in ("", "..") and not path.startswith("/"):
-            names.add(path if first == CACHE else first)
-    return names
 
 
 def _metadata_folder(package: Distribution) -> str:

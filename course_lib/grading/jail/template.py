@@ -174,22 +174,19 @@ class Template:
             try:
                 self._control.detach()
                 channel = _close_other_descriptors(*descriptors)
-                self._run(channel, limits)
+                problem = ""
+                try:
+                    enter_jail(self._place, self._layers, limits)
+                except OSError as error:
+                    problem = str(error)
+                # No student code has run yet, so this message can be trusted.
+                channel.send(["jailed", problem])
+                if not problem:
+                    Worker(channel, self._shell).serve()
             finally:
                 os._exit(0)
         for descriptor in descriptors:
             os.close(descriptor)
-
-    def _run(self, channel: Channel, limits: Limits) -> None:
-        problem = ""
-        try:
-            enter_jail(self._place, self._layers, limits)
-        except OSError as error:
-            problem = str(error)
-        # No student code has run yet, so this message can be trusted.
-        channel.send(["jailed", problem])
-        if not problem:
-            Worker(channel, self._shell).serve()
 
     def _limit_sums(self) -> None:
         """Stop writing if all files are too large, and kill the submission if its memory is."""

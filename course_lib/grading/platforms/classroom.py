@@ -116,7 +116,10 @@ def _stage_all(
     """
     lines, receipts = list[str](), dict[str, PlatformTime]()
     for clone in clones:
-        student = _student(clone.name, members)
+        # The longest login at the end of a clone's name is the student's.
+        folded_name = clone.name.casefold()
+        fits = [m for m in members if m.login and f"-{folded_name}".endswith(f"-{m.login}")]
+        student = max(fits, key=lambda member: len(member.login)).id if fits else ""
         if not student:
             lines.append(f"refused: {clone.name}: its name does not end with a login from the class list")
         elif student in receipts:
@@ -126,13 +129,6 @@ def _stage_all(
         else:
             receipts[student] = PlatformTime(times.get(_head_commit(clone), ""), "GitHub, push", True)
     return lines, receipts
-
-
-def _student(name: str, members: Sequence[Member]) -> str:
-    """Return the ID of the student with the longest login at the end of a clone's name, or ""."""
-    folded_name = name.casefold()
-    fits = [m for m in members if m.login and f"-{folded_name}".endswith(f"-{m.login}")]
-    return max(fits, key=lambda member: len(member.login)).id if fits else ""
 
 
 def _exercise_folder(clone: Path) -> Path:

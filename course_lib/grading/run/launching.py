@@ -121,7 +121,10 @@ class RecordedLaunch(LaunchProgram):
 def launch(text: Any) -> LaunchRecord:
     """Run the text of a launch file on the current graph until the scenario ends, and return its record."""
     with tempfile.TemporaryDirectory(prefix="launch_") as folder, _restore_process():
-        file = Path(folder, FILE_NAME + _suffix(text))
+        # launch chooses the language of a launch file by its suffix.
+        begin = text.lstrip()
+        is_yaml = begin.startswith(("launch:", "---", "%YAML"))
+        file = Path(folder, FILE_NAME + (".xml" if begin[:1] == "<" else ".yaml" if is_yaml else ".py"))
         file.write_text(text, encoding="utf-8")
         try:
             arguments = list(RecordedLaunch(file, starts=False).declared_arguments())
@@ -150,18 +153,6 @@ def _restore_process() -> Iterator[None]:
         sys.argv, sys.path[:], sys.modules["__main__"] = argv, path, main
         os.environ.clear()
         os.environ.update(environment)
-
-
-def _suffix(text: str) -> str:
-    """Return the file suffix of a launch file's language."""
-    begin = text.lstrip()
-    return (
-        ".xml"
-        if begin.startswith("<")
-        else ".yaml"
-        if begin.startswith(("launch:", "---", "%YAML"))
-        else ".py"
-    )
 
 
 def _strip_folder(folder: str, text: str) -> str:

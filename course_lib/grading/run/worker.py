@@ -142,7 +142,14 @@ class Worker:
             self._channel.send(["exit", 1, 0.0])
             return
         if child == 0:
-            self._run_in_child(task, name, part, graph)
+            code = 1
+            try:
+                self._perform(task, name, part, graph)
+                code = 0
+            finally:
+                _flush()
+                # Skip the exit handlers that the student's code may have registered.
+                os._exit(code)
         status = os.waitpid(child, 0)[1]
         self._channel.send(["exit", status, cpu_seconds() - before])
 
@@ -182,16 +189,6 @@ class Worker:
             os._exit(0)
         os.waitpid(probe, 0)
         return False
-
-    def _run_in_child(self, task: str, name: str, part: Instructions, graph: Graph) -> None:
-        status = 1
-        try:
-            self._perform(task, name, part, graph)
-            status = 0
-        finally:
-            _flush()
-            # Skip the exit handlers that the student's code may have registered.
-            os._exit(status)
 
     def _perform(self, task: str, name: str, part: Instructions, graph: Graph) -> None:
         outcome = Outcome()

@@ -85,16 +85,12 @@ def expect_launch_node(
         yield Problem(text, "a node in the launch file has another name")
     misfits = list(_check_options(record, node, options or {}))
     if node.death and not misfits:
-        reason = "; ".join(filter(None, [_last_line(evidence.output, node), node.death]))
+        # The last line that a failed node printed states the reason.
+        prefix = node.death.partition("]")[0] + "]"
+        lines = [line for line in evidence.output.splitlines() if line.startswith(f"{prefix} ")]
+        reason = "; ".join(filter(None, [*lines[-1:], node.death]))
         yield Problem(f"ros2 launch reports: {reason}", "a node of the launch file ends with an error")
     yield from misfits
-
-
-def _last_line(output: str, node: StartedNode) -> str:
-    """Return the last line that a failed node printed, which states the reason, or ""."""
-    prefix = node.death.partition("]")[0] + "]"
-    lines = [line for line in output.splitlines() if line.startswith(f"{prefix} ")]
-    return lines[-1] if lines else ""
 
 
 def _launch_record(evidence: Evidence, call: int) -> LaunchRecord:

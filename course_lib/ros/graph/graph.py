@@ -245,7 +245,7 @@ class Graph:
         return len(self._events)
 
     def count_stored_bytes(self) -> int:
-        """Return the serialized size of all samples in transit or kept by publishers, each counted once."""
+        """Return the serialized size of all samples in transit or kept by publishers, without repeats."""
         samples = {id(sample): sample for p in self._topics.publishers.values() for sample in p.latched}
         for *_, alarm in self._events:
             if isinstance(alarm.action, _Delivery):
@@ -307,7 +307,7 @@ class Graph:
         return ""
 
     def take_blocked_calls(self) -> list[str]:
-        """Return the services whose calls a link has blocked since the last call; empty without a link."""
+        """Return the services of which a link has blocked calls since the last query."""
         return []
 
     def close(self) -> None:

@@ -156,7 +156,7 @@ class EndpointInfo:
         return self.remote_gid or self.id.to_bytes(16, "big")
 
     def type_hash(self) -> str | None:
-        """Return the hash of the type, or None if the robot transmits none or the type is unknown here."""
+        """Return the type's hash; None if the robot transmits none or the type is unknown here."""
         # Imported late, because computing hashes loads all type definitions.
         from course_lib.ros.messages.definitions import is_known, type_hash
 

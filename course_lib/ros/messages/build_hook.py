@@ -1,4 +1,4 @@
-"""Hatchling's build hook, which writes the type stubs of the message packages and the table of types."""
+"""Hatchling's build hook, which writes the stubs of the message packages and the table of types."""
 
 import sys
 from pathlib import Path
@@ -14,7 +14,7 @@ class StubsHook(BuildHookInterface[Any]):
     """Writes the stubs and the table before a wheel or an editable install is built."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Write the files into the source tree and add them to the wheel, because git ignores them."""
+        """Write the files into the source tree; add them to the wheel, because git ignores them."""
         sys.path.insert(0, self.root)
         from course_lib.ros.messages.stubs import write_stubs, write_table
 

@@ -304,7 +304,7 @@ def _count_wide_sequences(type_name: str) -> int:
 
 @cache
 def _reader_at(type_name: str, order: str) -> Callable[[bytes, int], tuple[Any, int]]:
-    """Return the function that reads a message of a list and returns the message and the next position."""
+    """Return the function that reads a message of a list, to (message, next position)."""
     reader = _Reader(order, 1)
     lines = [*_read_lines(reader, type_name), "return m, pos"]
     return compile_function("read", "data, pos", lines, reader.scope)

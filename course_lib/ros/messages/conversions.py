@@ -19,7 +19,7 @@ SetTime = Callable[[RosMessage], None]
 
 @dataclass
 class _PublishTimes:
-    """Whether "auto" and "now" stand for the time of publishing, and functions that set these times."""
+    """Whether "auto" and "now" are the time of publishing, and functions that set these times."""
 
     header_auto: bool
     time_now: bool

@@ -221,7 +221,7 @@ def _is_defined(type_name: str) -> bool:
 
 
 def _count_values(type_name: str, new_types: Mapping[str, Any], counts: dict[str, float]) -> float:
-    """Count the values of a message with empty sequences; infinite if a type is unknown or recursive."""
+    """Count the values of a message with empty sequences; infinite for unknown or recursive types."""
     if type_name not in new_types:
         return 1 if _is_defined(type_name) and type_name not in UNSUPPORTED else math.inf
     if type_name not in counts:
@@ -238,7 +238,7 @@ def _count_values(type_name: str, new_types: Mapping[str, Any], counts: dict[str
 
 
 def find_package(package: str) -> None:
-    """Add an unknown package if its folder is on Python's path, in the working folder or in the workspace."""
+    """Add an unknown package from Python's path, the working folder or the workspace."""
     if not package.isidentifier():
         return
     for entry in (*sys.path, "."):
@@ -252,7 +252,7 @@ def find_package(package: str) -> None:
 
 
 def find_workspace_packages() -> list[str]:
-    """Add all packages of the workspace that have interface files; return the errors of invalid files."""
+    """Add all of the workspace's packages with interface files; return the errors of invalid files."""
     errors = list[str]()
     for name, folder in packages().items():
         if has_interfaces(folder):
@@ -264,7 +264,7 @@ def find_workspace_packages() -> list[str]:
 
 
 def type_names() -> list[str]:
-    """List the known types, like ``visualization_msgs/msg/Marker``, without the event types of services."""
+    """List the known types, like ``std_msgs/msg/String``, without the event types of services."""
     return sorted(name for name in field_definitions() if not name.endswith(EVENT_PART))
 
 
@@ -288,7 +288,7 @@ def definition(type_name: str) -> MessageDefinition:
 
 
 def _describe_unknown(type_name: str) -> str:
-    """Return how to add the package of an unknown type, or the closest names, to append to a sentence."""
+    """Return how to add an unknown type's package, or the closest names, to append to a sentence."""
     package, kind, name = (*type_name.split("/"), "", "")[:3]
     known_packages = {name.split("/")[0] for name in field_definitions()}
     # A package with a name of its own is custom, as in a bag of another workspace.
@@ -322,14 +322,14 @@ def interfaces(kind: str) -> list[str]:
 
 
 def event_definition(service: str) -> Any:
-    """Return the definition of a service's event type, which rosidl derives from request and response."""
+    """Return the definition of a service's event type, derived from request and response."""
     parts = (("request", f"{service}_Request"), ("response", f"{service}_Response"))
     fields = [(name, (_SEQUENCE, ((_NAME, part), 1))) for name, part in parts]
     return [], [("info", (_NAME, "service_msgs/msg/ServiceEventInfo")), *fields]
 
 
 def _field(type_name: str, name: str, desc: Any) -> FieldDefinition:
-    """Convert rosbags' nested tuples ``(kind, (inner, size))``; a base type is ``(1, (name, bound))``."""
+    """Convert rosbags' tuples ``(kind, (inner, size))``; a base type is ``(1, (name, bound))``."""
     default = DEFAULTS.get((type_name, name))
     kind, detail = desc
     container, size = _CONTAINERS[kind], 0
@@ -351,7 +351,7 @@ _CONTAINERS: Mapping[int, Literal["scalar", "array", "sequence"]] = {
 
 @dataclass(frozen=True, slots=True)
 class Primitive:
-    """A primitive type: its name in ROS's IDL, its Python type, and for numbers the range and array code."""
+    """A primitive type: IDL's name, the Python type, and for numbers the range and array code."""
 
     ros_name: str
     python: type
@@ -487,7 +487,7 @@ def _hashed_types() -> "Typestore":
 
 
 def _to_hashed_form(form: Any) -> Any:
-    """Return a field's type as rosidl hashes it: `char` in a .msg file is uint8, not the char of IDL."""
+    """Return a field's type as rosidl hashes it: `char` in a .msg file is uint8, not IDL's char."""
     from rosbags.interfaces import Nodetype
 
     kind, detail = form

@@ -249,7 +249,20 @@ def check_lines(text: str, source: str) -> None:
         if line.startswith("---"):
             names.clear()
         if field is not None:
-            _check_field(f"{source}, line {number}", field["name"], names)
+            place = f"{source}, line {number}"
+            name = field["name"]
+            if not re.fullmatch(_FIELD_NAME, name):
+                raise CourseError(
+                    f"{place}: '{name}' is an invalid field name. It should have the pattern "
+                    f"'^{_FIELD_NAME}$', like joint_limit."
+                )
+            if keyword.iskeyword(name):
+                raise CourseError(
+                    f"{place}: '{name}' is a keyword of Python, so choose another name for the field."
+                )
+            if name in names:
+                raise CourseError(f"{place}: the field '{name}' is already defined above.")
+            names.add(name)
         declaration = _CONSTANT.fullmatch(line) or field
         if (
             declaration is not None
@@ -267,20 +280,6 @@ def check_lines(text: str, source: str) -> None:
                 f"{source}, line {number}: {line.strip()!r:.100} is neither a field, like `float64 "
                 "speed`, nor a constant, like `uint8 FAST=1`."
             ) from error
-
-
-def _check_field(place: str, name: str, names: set[str]) -> None:
-    """Add a field's name to `names`. Raise a CourseError if it is invalid or a duplicate."""
-    if not re.fullmatch(_FIELD_NAME, name):
-        raise CourseError(
-            f"{place}: '{name}' is an invalid field name. It should have the pattern "
-            f"'^{_FIELD_NAME}$', like joint_limit."
-        )
-    if keyword.iskeyword(name):
-        raise CourseError(f"{place}: '{name}' is a keyword of Python, so choose another name for the field.")
-    if name in names:
-        raise CourseError(f"{place}: the field '{name}' is already defined above.")
-    names.add(name)
 
 
 def _is_value_of(kind: str, text: str) -> bool:

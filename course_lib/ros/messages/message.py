@@ -316,7 +316,7 @@ _LISTS: Mapping[str, tuple[Convert, Convert]] = {
 
 
 def constructor(kinds: Mapping[str, Kind], general: Callable[..., None]) -> Callable[..., None]:
-    """Compile an `__init__` that behaves like `general` but stores values directly if they need no check."""
+    """Compile an `__init__` like `general` that stores values directly if they need no check."""
     if any(map(iskeyword, kinds)):
         return general
     scope: dict[str, Any] = {
@@ -349,7 +349,7 @@ def constructor(kinds: Mapping[str, Kind], general: Callable[..., None]) -> Call
 
 
 def compile_factory(cls: type) -> Callable[..., Any]:
-    """Compile a function that creates a message, with its nested messages, from values as deserialized."""
+    """Compile a function that creates a message, including nested ones, from deserialized values."""
     scope: dict[str, Any] = {}
     values: list[str] = []
     body = factory_lines(cls, "m", scope, values)
@@ -489,12 +489,12 @@ class RosMessage(metaclass=_MessageMeta):
 
     @classmethod
     def get_fields_and_field_types(cls) -> dict[str, str]:
-        """Return the fields' types as ROS writes them, for example ``sequence<geometry_msgs/Point>``."""
+        """Return the fields' types as ROS writes them, like ``sequence<geometry_msgs/Point>``."""
         return dict(cls._fields_and_field_types)
 
 
 def module_of_type(type_name: str) -> str:
-    """Return the module that rosidl creates for a type, for example ``std_msgs.msg._u_int8_multi_array``."""
+    """Return the module that rosidl creates for a type, like ``std_msgs.msg._u_int8_multi_array``."""
     from re import sub
 
     package, folder, name = type_name.split("/")
@@ -621,7 +621,7 @@ class _InterfaceMeta(type):
 
 @cache
 def service_class(type_name: str) -> type:
-    """Return the class of a service such as ``std_srvs/srv/Trigger``, with `Request` and `Response`."""
+    """Return the class of a service, like ``std_srvs/srv/Trigger``, with `Request` and `Response`."""
     return _container_class(type_name, SERVICE_PARTS)
 
 

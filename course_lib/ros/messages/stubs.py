@@ -1,4 +1,4 @@
-"""The files written when the kit is built: type stubs of the message packages and the table of types."""
+"""Files written when the kit is built: stubs of the message packages and the table of types."""
 
 import json
 from importlib.metadata import version

@@ -8,7 +8,7 @@ import ast
 import os
 import re
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from configparser import ConfigParser
 from configparser import Error as ConfigError
 from dataclasses import dataclass, field
@@ -352,12 +352,21 @@ class _CMake:
         self._budget = _MAX_FILES
 
     def run(self, commands: Iterable[tuple[str, str]]) -> Iterator[tuple[str, list[str]]]:
-        """Yield commands in lower case with their arguments, also inside loops, macros and functions."""
+        """Yield commands in lower case with their arguments, also of loops, macros and functions."""
         rest = deque(commands)
         while rest and self._budget > 0:
             self._budget -= 1
             command, inner = rest.popleft()
-            words = _split_words(inner, self.variables)
+            words: list[str] = []
+            for quoted, plain in _WORD.findall(inner):
+                single_variable = _VARIABLE.fullmatch(plain)
+                if single_variable is not None:
+                    words += self.variables.get(single_variable[1], [])
+                else:
+                    replaced = _VARIABLE.sub(
+                        lambda m: ";".join(self.variables.get(m[1], [])), quoted or plain
+                    )
+                    words.append(replaced)
             match command.lower(), words:
                 case (("macro" | "function") as kind, [name, *parameters]):
                     self._macros[name.lower()] = _CMakeMacro(parameters, _body(rest, kind))
@@ -394,7 +403,7 @@ class _CMake:
 
 
 def _body(commands: "deque[tuple[str, str]]", kind: str) -> list[tuple[str, str]]:
-    """Remove and return the commands up to the end of a block: `endmacro`, `endfunction` or `endforeach`."""
+    """Remove and return the commands up to the end of a block, such as `endmacro`."""
     body: list[tuple[str, str]] = []
     depth = 1
     while commands:
@@ -444,19 +453,6 @@ def _sources_of_install(arguments: list[str]) -> list[str]:
     """Return the files and folders of one `install(…)`, which precede its other arguments."""
     end = next((at for at, word in enumerate(arguments) if word in _KINDS_OF_INSTALL), len(arguments))
     return arguments[:end]
-
-
-def _split_words(inner: str, variables: Mapping[str, list[str]]) -> list[str]:
-    """Split the arguments of a CMake command and substitute its variables."""
-    arguments: list[str] = []
-    for quoted, plain in _WORD.findall(inner):
-        single_variable = _VARIABLE.fullmatch(plain)
-        if single_variable is not None:
-            arguments += variables.get(single_variable[1], [])
-        else:
-            replaced = _VARIABLE.sub(lambda m: ";".join(variables.get(m[1], [])), quoted or plain)
-            arguments.append(replaced)
-    return arguments
 
 
 def _glob(folder: Path, pattern: str) -> list[Path]:

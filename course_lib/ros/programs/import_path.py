@@ -86,7 +86,7 @@ _WORD = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 
 
 class HomeModuleFinder(Loader):
-    """Imports a module of ROS that the stand-in does not contain, with all names of its home module."""
+    """Imports a module of ROS that the stand-in lacks, with all names of its home module."""
 
     @classmethod
     def find_spec(
@@ -121,7 +121,7 @@ class HomeModuleFinder(Loader):
 
 
 class _HostLoader(SourceFileLoader):
-    """Imports a module of the stand-in that also offers the names which ROS's module imports from others."""
+    """Imports a module of the stand-in, with the names that ROS's module imports from others."""
 
     def exec_module(self, module: ModuleType) -> None:
         """Execute the module's code."""
@@ -143,7 +143,7 @@ def _third_party_name(host: str, name: str) -> Any:
 
 
 class WorkspaceImports:
-    """Finds packages in the workspace's sources under their ROS names, if Python does not find them."""
+    """Finds packages in the workspace's sources by ROS name, if Python does not find them."""
 
     @classmethod
     def find_spec(
@@ -288,7 +288,7 @@ def install() -> None:
 
 
 class _InterfaceTypesFinder(Loader):
-    """Imports interface types: `std_msgs`, `std_msgs.msg`, or `my_msgs/msg/Name.msg` on the path."""
+    """Imports interface types: `std_msgs`, `std_msgs.msg` or `my_msgs/msg/Name.msg`."""
 
     @classmethod
     def find_spec(

@@ -128,18 +128,6 @@ class Placeholder(Action, Substitution):
     __str__ = __fspath__
 
 
-def install_placeholders() -> None:
-    """Make the placeholders available to launch files."""
-    if AbsentModules not in sys.meta_path:
-        sys.meta_path.append(AbsentModules)
-
-
-def unload_absent_modules() -> None:
-    """Remove the placeholder modules, so that they are missing for the nodes of a launch."""
-    for name in [name for name, module in sys.modules.items() if isinstance(module, _AbsentModule)]:
-        del sys.modules[name]
-
-
 # Receives the name of a process, its stream (1: standard output, 2: standard error), and lines.
 OutputCallback = Callable[[str, int, str], object]
 
@@ -586,7 +574,9 @@ class _LaunchedProcess(Function):
 
     def run(self) -> None:
         """Run the process to its end. A missing package is an error here."""
-        unload_absent_modules()
+        # The placeholder modules are missing for the nodes of a launch.
+        for name in [name for name, module in sys.modules.items() if isinstance(module, _AbsentModule)]:
+            del sys.modules[name]
         with self._prefixes.of_process(self.file.name), packages.tolerate_missing(None):
             super().run()
 
@@ -595,7 +585,8 @@ def prepare_imports(file: Path) -> None:
     """Add the packages of a launch file's workspace to the paths, and prepare its imports."""
     packages.source(file)
     prepend_to_path(packages.python_path(file))
-    install_placeholders()
+    if AbsentModules not in sys.meta_path:
+        sys.meta_path.append(AbsentModules)
     for name in _SET_BY_SETUP:
         os.environ.setdefault(name, "")
     # For launch files that run xacro as a subprocess: its command, and the packages of $(find …).

@@ -119,7 +119,7 @@ _reported: set[tuple[Path, ...]] = set()
 
 @dataclass(frozen=True)
 class _Crawl:
-    """Packages below a folder as (name, folder), with the modification times [ns] of all files read."""
+    """Packages below a folder as (name, folder), and the modification times [ns] of read files."""
 
     packages: tuple[tuple[str, Path], ...]
     changed_ns: dict[str, int]
@@ -213,7 +213,7 @@ def interface_paths(folder: Path, kind: str) -> Iterator[Path]:
 
 
 def listed_interfaces(folder: Path) -> set[str] | None:
-    """Return the interface files that CMakeLists.txt lists, or None if it lists none or searches them."""
+    """Return the interface files that CMakeLists.txt lists; None if it lists none or uses a search."""
     try:
         text = read_text(folder / "CMakeLists.txt", errors="replace")
     except OSError:
@@ -371,7 +371,7 @@ class Package:
 
 
 def find_package(name: str) -> Package | None:
-    """Find a package by its name (see `packages`) or by its folder, which is "." or contains a slash."""
+    """Find a package by name (see `packages`) or by folder, which is "." or contains a slash."""
     if ("/" in name or name in (".", "..")) and (Path(name) / MANIFEST).is_file():
         folder = Path(name).resolve()
         source(folder / MANIFEST)
@@ -382,7 +382,7 @@ def find_package(name: str) -> Package | None:
 
 
 def prefix_of(share: Path) -> Path:
-    """Return the installation prefix of a share folder, or the parent folder of a package's sources."""
+    """Return the installation prefix of a share folder, or the parent of a package's sources."""
     return share.parent.parent if share.parent.name == "share" else share.parent
 
 
@@ -409,7 +409,7 @@ def not_found_reason(name: str, others: Collection[str] = ()) -> str:
 
 
 def skipped_folder_reason(name: str) -> str:
-    """Explain why a package's folder in the workspace is not used, such as an empty one; "" if none is."""
+    """Explain why a package's folder in the workspace is not used, like an empty one, or return ""."""
     roots = [root.resolve() for root in source_roots()]
     walks = (os.walk(root) for root in roots)
     for path, folders, files in islice(chain.from_iterable(walks), _MOST_FOLDERS):
@@ -547,7 +547,7 @@ def share_folder(name: str, sources: Path) -> Path:
 
 
 def _is_at_source_path(file: Path, place: Path) -> bool:
-    """Return whether an installed file, or each file of a folder, has the same path in the sources."""
+    """Return whether an installed file, or all files of a folder, have their paths in the sources."""
     if place.exists() and (place.samefile(file) or not place.is_dir() or not file.is_dir()):
         return True
     return file.is_dir() and place.is_dir() and all((place / f.name).exists() for f in file.iterdir())

@@ -145,7 +145,7 @@ def _value(node: Any) -> Any:
 
 
 def _scalar(node: yaml.ScalarNode) -> bool | int | float | str:
-    """Infer a scalar's type as rcl does: a string if quoted, otherwise bool, integer, double or string."""
+    """Infer a scalar's type as rcl does: a string if quoted, else bool, integer, double or string."""
     text: str = node.value
     if node.style in ("'", '"', "|", ">") or _is_tagged_as_string(node):
         return text

@@ -287,7 +287,7 @@ class Processes:
 
 @contextmanager
 def _event_loop() -> Iterator[None]:
-    """Give the calling thread an event loop, because a process has one for `asyncio.get_event_loop()`."""
+    """Give the calling thread an event loop, which a process has for `asyncio.get_event_loop()`."""
     # Imported late, because programs that run alone do not need it.
     import asyncio
 

@@ -147,7 +147,7 @@ def _program(
 
 @contextmanager
 def _keep_interpreter_state() -> Iterator[None]:
-    """Restore `sys`, the environment and signal handlers after the block, and report errors of threads."""
+    """Restore `sys`, the environment and signal handlers after the block; report errors of threads."""
     interpreter_state = sys.argv, sys.path[:], sys.modules["__main__"]
     environment = dict(os.environ)
     threading.excepthook = print_error_of_thread
@@ -165,7 +165,7 @@ def _keep_interpreter_state() -> Iterator[None]:
 
 
 def _exit_on_second_interrupt() -> Callable[[int, FrameType | None], None]:
-    """Return a handler of SIGINT: the first signal interrupts as usual, the second ends the process."""
+    """Return a handler of SIGINT: the first one interrupts as usual, the second ends the process."""
     signals: list[int] = []
 
     def handle(number: int, frame: FrameType | None) -> None:

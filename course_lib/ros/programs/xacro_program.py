@@ -106,7 +106,7 @@ def expand_xacro(path: Path, arguments: Mapping[str, object]) -> str:
 
 
 def _place_of_error(path: Path, errors: str) -> str:
-    """Return " (common.xacro, line 12)" for the line that xacro's message quotes from a file, or ""."""
+    """Return " (common.xacro, line 12)" for the line of a file that xacro's message quotes, or ""."""
     match = re.search(r"(?:processing|in) file: (.+)", errors)
     file = Path(match[1].strip()) if match else path
     try:

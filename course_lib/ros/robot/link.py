@@ -148,7 +148,7 @@ class NetworkPublisher(Declaration, ABC):
         """Return whether a message would reach a subscription now."""
 
     def hide(self) -> None:
-        """Leave the network's graph, but remain able to publish a stop command that may still be needed."""
+        """Leave the network's graph, but keep the ability to publish a stop command."""
         self._listing.withdraw()
 
 
@@ -291,7 +291,7 @@ def type_warning(entity: Entity) -> str:
 
 
 def qos_warning(topic: str, policy: str, publisher: str, subscriber: str, *, is_enforced: bool) -> str:
-    """Return a message about a publisher and a subscription of different nodes with incompatible QoS."""
+    """Return a message about a publisher and a subscription with incompatible QoS."""
     line = (
         f"{topic}: the publisher of {publisher} and the subscription of {subscriber} have "
         f"incompatible QoS ({policy})."

@@ -97,7 +97,7 @@ class Traffic:
         self._lags.append(packet.received_ns - packet.source_ns)
 
     def reset_sequences(self) -> None:
-        """Restart the detection of gaps, because messages sent while a link is down do not count as lost."""
+        """Restart the detection of gaps: messages sent while a link is down do not count as lost."""
         self._last_sequence.clear()
 
     @property
@@ -245,7 +245,7 @@ class TopicSubscriptions:
                 del self._by_key[key]
 
     def status_rows(self) -> list[tuple[str, object]]:
-        """Return each topic's row of `ros2 doctor`: the row of its subscription with the most messages."""
+        """Return each topic's row of `ros2 doctor`: of its subscription with the most messages."""
         rows: dict[str, tuple[str, object]] = {}
         for subscription in sorted(self, key=lambda subscription: subscription.traffic.received):
             rows[subscription.topic] = subscription.status_row()
@@ -432,7 +432,7 @@ class RemoteEntities:
             listener(self._graph, info, has_joined)
 
     def _keep_latched(self, gid: bytes, node: int | None) -> None:
-        """Keep the latched messages of a publisher that leaves, because the link may only be interrupted."""
+        """Keep the latched messages of a leaving publisher: the link may only be interrupted."""
         publisher = self.publisher(gid)
         if publisher is not None and publisher.latched and node in (None, publisher.info.node):
             self._latched_of_departed[gid] = list(publisher.latched)
@@ -441,7 +441,7 @@ class RemoteEntities:
 
 
 def ignore(cdr: bytes, source_ns: int, received_ns: int) -> None:
-    """Do nothing: the network delivers a message to remote subscriptions, and taps receive every sample."""
+    """Do nothing: the network delivers to remote subscriptions, and taps receive every sample."""
 
 
 NO_SKEW = "not measured: no topic is received yet"

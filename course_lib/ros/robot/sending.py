@@ -268,7 +268,7 @@ class OutgoingTraffic:
             self._end_if_stopped()
 
     def _repeat_stops(self) -> None:
-        """Send the stops of removed publishers, and withdraw publishers whose stop is no longer due."""
+        """Send the stops of removed publishers; withdraw publishers without a due stop."""
         for endpoint, stop in tuple(self._removed.items()):
             stop.stop()
             if not stop.is_due and self._removed.pop(endpoint, None) is not None:

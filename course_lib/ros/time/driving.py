@@ -146,7 +146,7 @@ RECENTLY = 60.0
 
 
 class LiveRun:
-    """The handle that `run_live` returns: its nodes, its Stop button and its state, shown in the cell."""
+    """The handle that `run_live` returns: its nodes, Stop button and state, shown in the cell."""
 
     def __init__(self, graph: Graph, nodes: tuple["Node", ...]) -> None:
         self.nodes = nodes
@@ -167,7 +167,7 @@ class LiveRun:
         return ", ".join(node.handle.name for node in self.nodes)
 
     def is_over(self) -> bool:
-        """Return whether all of its nodes were destroyed, or replaced because their cell was run again."""
+        """Return whether all of its nodes were destroyed, or replaced by running their cell again."""
         return all(node.handle.has_left for node in self.nodes)
 
     def has_node(self, full_name: str) -> bool:
@@ -336,14 +336,14 @@ def stop_all() -> None:
 
 
 def drive_between_cells(graph: Graph) -> None:
-    """Drive a graph between the cells even if it has no live runs, because it is linked to a robot."""
+    """Drive a graph between the cells even without live runs, because it is linked to a robot."""
     # In `course run` of a notebook there is no event loop; the cells drive the graph.
     with suppress(RuntimeError):
         graph.state(_LiveRuns).drive(graph)
 
 
 def drive_threads() -> None:
-    """Drive the graph between the cells while threads wait for robot time, for example in `rclpy.spin`."""
+    """Drive the graph between the cells while threads wait for robot time, as in `rclpy.spin`."""
     graph = current_graph()
     if time_lock.has_waiting_threads(graph) and pace.mode() == "real":
         drive_between_cells(graph)

@@ -122,7 +122,7 @@ class Watch:
 
     @contextmanager
     def stopping(self) -> Iterator[None]:
-        """Interrupt the main thread during the block if a callback for which Stop waits does not end."""
+        """Interrupt the main thread in the block if a callback for which Stop waits does not end."""
         click_time = wall.monotonic()
         self._clicks.append(click_time)
         try:
@@ -163,7 +163,7 @@ class LiveInterrupts:
 
     @contextmanager
     def handle(self) -> Iterator[None]:
-        """Let ■ raise KeyboardInterrupt in a running callback and set `was_pressed`, during the block."""
+        """During the block, ■ raises KeyboardInterrupt in a running callback and sets `was_pressed`."""
         previous = signal.signal(signal.SIGINT, self._handle)
         self._in_step = True
         try:

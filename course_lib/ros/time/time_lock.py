@@ -140,7 +140,7 @@ class ProgramThread:
             self._stop()
 
     def interrupt(self) -> None:
-        """Interrupt as Ctrl+C does: call the program's handler, or raise KeyboardInterrupt without one."""
+        """Interrupt as Ctrl+C does: call the program's handler or raise KeyboardInterrupt."""
         handler = self.handlers.get(signal.SIGINT, signal.SIG_DFL)
         if callable(handler):
             handler(signal.SIGINT, sys._getframe(1))
@@ -214,7 +214,7 @@ class TimeLock:
         self.on_stall: Callable[[], object] = lambda: None
 
     def record_signal(self) -> None:
-        """Record a signal that ends the program, so that a thread that never pauses cannot delay it."""
+        """Record a signal that ends the program, which a thread without pauses must not delay."""
         self._is_signalled = True
 
     def is_program_thread(self, ident: int | None = None) -> bool:
@@ -231,7 +231,7 @@ class TimeLock:
         return any(thread.is_ordinary and thread.waits_in(graph) for thread in tuple(self._waiting))
 
     def hold(self) -> "HeldTimeLock":
-        """Make the calling thread a program thread that holds the lock, for the length of a `with` block."""
+        """Make the calling thread a program thread that holds the lock, within a `with` block."""
         return HeldTimeLock(self)
 
     @contextmanager
@@ -264,7 +264,7 @@ class TimeLock:
 
     @contextmanager
     def at_end(self, at_end: AtEnd) -> Iterator[None]:
-        """Set the effect that the end of the run has on the calling program thread, within a `with` block."""
+        """Set the effect of the run's end on the calling program thread, within a `with` block."""
         me = self._threads[_thread.get_ident()]
         previous, me.at_end = me.at_end, at_end
         me.waits_after_end = me.sleeps_after_end = 0
@@ -281,7 +281,7 @@ class TimeLock:
         return None if me is None or me.at_end is not AtEnd.INTERRUPT else me.handlers
 
     def is_interrupted_by_end(self) -> bool:
-        """Return whether the calling thread belongs to a program, which the end of the run interrupts."""
+        """Return whether the calling thread is a program's, which the end of the run interrupts."""
         me = self._threads.get(_thread.get_ident())
         return me is not None and me.at_end is not AtEnd.RETURN
 
@@ -417,7 +417,7 @@ class TimeLock:
 
     @contextmanager
     def polling(self) -> Iterator[None]:
-        """If the end of the run or Ctrl+C interrupts the block, print the condition polled in vain."""
+        """If the run's end or Ctrl+C interrupts the block, print the condition polled in vain."""
         try:
             yield
         except KeyboardInterrupt:
@@ -479,7 +479,7 @@ class TimeLock:
         return min(runnable, key=lambda thread: (thread.index <= me.index, thread.index), default=None)
 
     def _report_deadlock(self, me: ProgramThread, graph: Graph) -> None:
-        """Set a DeadlockError for the main thread, or for the caller if the main thread does not wait."""
+        """Set a DeadlockError for the main thread, or for the caller if that one does not wait."""
         waits = ", ".join(
             f'thread "{t.name}" waits for {t.wait.awaited}'
             for t in self._waiting

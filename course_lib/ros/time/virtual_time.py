@@ -124,7 +124,7 @@ def compile_program(source: bytes, file: str) -> Any:
 
 
 def _get_code(loader: SourceFileLoader, name: str) -> Any:
-    """Return a module's code, compiled with `compile_program` and not cached if it is a student's own."""
+    """Return a module's code; a student's own is compiled with `compile_program` and not cached."""
     path = loader.get_filename(name)
     source = loader.get_data(path) if is_own(path) else b""
     return compile_program(source, path) if b"while" in source else _real_get_code(loader, name)
@@ -360,7 +360,7 @@ class ProgramLock:
 
 
 class Lock:
-    """Replacement for `threading.Lock`: a ProgramLock if the program may use it, otherwise a real lock."""
+    """Replacement for `threading.Lock`: a ProgramLock if the program may use it, else a real lock."""
 
     def __new__(cls) -> Any:
         """Create the lock."""
@@ -368,7 +368,7 @@ class Lock:
 
 
 class SimpleQueue(_RealSimpleQueue[Any]):
-    """Replacement for `queue.SimpleQueue`: for the program, the pure Python version, which uses our locks."""
+    """Replacement for `queue.SimpleQueue`: the pure Python version, which uses our locks."""
 
     def __new__(cls) -> Any:
         """Create the queue."""
@@ -392,7 +392,7 @@ def make_waiter() -> Any:
 
 
 def make_rlock() -> Any:
-    """Create the replacement for `threading.RLock()`, based on a ProgramLock if the program may use it."""
+    """Replacement for `threading.RLock`, based on a ProgramLock if the program may use it."""
     if not _is_made_for_program():
         return _RealRLock()
     rlock = threading._PyRLock()  # type: ignore[attr-defined]  # the standard library's RLock in Python

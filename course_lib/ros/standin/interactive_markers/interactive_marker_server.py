@@ -182,7 +182,21 @@ class InteractiveMarkerServer:
                 return
             message = InteractiveMarkerUpdate(type=InteractiveMarkerUpdate.UPDATE)
             for name, update in self.pending_updates.items():
-                self._apply(message, name, update)
+                stored = self.marker_contexts.get(name)
+                marker = update.int_marker
+                if update.update_type == UpdateContext.ERASE:
+                    if self.marker_contexts.pop(name, None):
+                        message.erases.append(name)
+                elif update.update_type == UpdateContext.FULL_UPDATE:
+                    if stored is None:
+                        now = self.node.get_clock().now()
+                        stored = self.marker_contexts[name] = MarkerContext(marker, update.callbacks, now)
+                    stored.int_marker = marker
+                    message.markers.append(marker)
+                elif stored is not None:
+                    stored.int_marker.pose, stored.int_marker.header = marker.pose, marker.header
+                    pose = InteractiveMarkerPose(header=marker.header, pose=marker.pose, name=name)
+                    message.poses.append(pose)
             self.pending_updates = {}
         self.seq_num += 1
         self.publish(message)
@@ -237,21 +251,3 @@ class InteractiveMarkerServer:
         if update.update_type != UpdateContext.FULL_UPDATE:
             update.update_type = UpdateContext.POSE_UPDATE
         update.int_marker.pose, update.int_marker.header = pose, header
-
-    def _apply(self, message: InteractiveMarkerUpdate, name: str, update: UpdateContext) -> None:
-        """Apply one change and add it to the message."""
-        stored = self.marker_contexts.get(name)
-        marker = update.int_marker
-        if update.update_type == UpdateContext.ERASE:
-            if self.marker_contexts.pop(name, None):
-                message.erases.append(name)
-        elif update.update_type == UpdateContext.FULL_UPDATE:
-            if stored is None:
-                now = self.node.get_clock().now()
-                stored = self.marker_contexts[name] = MarkerContext(marker, update.callbacks, now)
-            stored.int_marker = marker
-            message.markers.append(marker)
-        elif stored is not None:
-            stored.int_marker.pose, stored.int_marker.header = marker.pose, marker.header
-            pose = InteractiveMarkerPose(header=marker.header, pose=marker.pose, name=name)
-            message.poses.append(pose)

@@ -1,4 +1,4 @@
-"""The building blocks of launch descriptions: substitutions, conditions, actions, events, and the context."""
+"""Building blocks of launch descriptions: substitutions, conditions, actions, events, context."""
 
 import os
 import sys

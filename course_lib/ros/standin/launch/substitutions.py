@@ -260,7 +260,7 @@ class OrSubstitution(AnySubstitution):
 
 
 class EqualsSubstitution(Substitution):
-    """True if two strings are equal, or both are the same boolean, or numbers that are nearly equal."""
+    """True if two strings are equal, the same boolean, or nearly equal numbers."""
 
     def __init__(self, left: Any, right: Any) -> None:
         super().__init__(lambda context: _word(_are_equal(context, left, right)))

@@ -63,7 +63,7 @@ class Subscriber(SimpleFilter):
 
 
 class Cache(SimpleFilter):
-    """Stores the last `cache_size` messages of a filter with their times, and forwards each message."""
+    """Stores a filter's last `cache_size` messages and their times, and forwards each message."""
 
     def __init__(
         self,
@@ -160,7 +160,7 @@ class TimeSynchronizer(SimpleFilter):
 
 
 class ApproximateTimeSynchronizer(TimeSynchronizer):
-    """Combines messages of several filters whose stamps differ by less than `slop` [s] into one call."""
+    """Combines messages of several filters with stamps closer than `slop` [s] into one call."""
 
     def __init__(
         self,
@@ -173,7 +173,7 @@ class ApproximateTimeSynchronizer(TimeSynchronizer):
         self.slop, self.allow_headerless = Duration(seconds=slop), allow_headerless
 
     def add(self, msg: Any, my_queue: Queue, my_queue_index: int | None = None) -> None:
-        """Store a message and forward the set that it completes, with the stamps closest to its own."""
+        """Store a message and forward the set that it completes, with the closest stamps."""
         time = _stamp_of(msg, self.allow_headerless, "message_filters_approx")
         if time is None:
             return

@@ -41,7 +41,7 @@ class ParseMultiRobotPose:
 
 
 class LaunchConfigAsBool(Substitution):
-    """The value of a launch configuration as `True` or `False`. true, 1, yes, on and y count as true."""
+    """A launch configuration as `True` or `False`; true, 1, yes, on and y count as true."""
 
     def __init__(self, name: str) -> None:
         def make(context: LaunchContext) -> str:

@@ -37,7 +37,7 @@ class InitContextManager(ExitStack):
         self.callback(try_shutdown, context=None if context is get_default_context() else context)
 
     def _ipython_display_(self) -> None:
-        """Display nothing when `rclpy.init()` is the last expression of a cell: in Jazzy it returns None."""
+        """Display nothing for `rclpy.init()` at the end of a cell: in Jazzy it returns None."""
 
 
 def init(

@@ -33,7 +33,7 @@ class CallbackGroup:
 
 
 class ReentrantCallbackGroup(CallbackGroup):
-    """A group whose callbacks may all run at the same time, even several runs of the same callback."""
+    """A group whose callbacks may all run at the same time, even several runs of one callback."""
 
     def can_execute(self, entity: Any) -> bool:
         """Return True."""

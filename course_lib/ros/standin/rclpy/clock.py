@@ -71,7 +71,7 @@ class TimeJump:
 
     @property
     def delta(self) -> Duration:
-        """The difference in time: negative for a jump backwards, zero at a change of the time source."""
+        """The difference in time: negative for a jump back, zero at a change of the time source."""
         return self._delta
 
     def exceeds(self, handle: "JumpHandle") -> bool:
@@ -253,7 +253,7 @@ class ROSClock(Clock):
 
     @property
     def ros_time_is_active(self) -> bool:
-        """True while the clock shows the override's time, for example from /clock, instead of robot time."""
+        """True while the clock shows the override's time, such as /clock's, instead of robot time."""
         return self.handle.is_overridden
 
     def _set_ros_time_is_active(self, enabled: bool) -> None:

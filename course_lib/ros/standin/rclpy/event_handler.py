@@ -98,7 +98,7 @@ Report = Callable[[Any], object]
 
 
 class Events:
-    """The event counters of one publisher or subscription, and the receivers of its events, by event name."""
+    """The event counters of a publisher or subscription, and receivers of its events, by name."""
 
     def __init__(self, tell: Mapping[str, Report], handlers: "list[EventHandler]") -> None:
         self.tell = tell
@@ -148,7 +148,7 @@ class EventCallbacks:
 
     @classmethod
     def require(cls, given: object) -> None:
-        """Raise rclpy's error unless an object has the event callbacks of this side, or is falsy."""
+        """Raise rclpy's error for an object without the event callbacks of this side, unless falsy."""
         if isinstance(given, EventCallbacks) and not isinstance(given, cls):
             raise TypeError("__init__(): incompatible constructor arguments.")
         if given and not isinstance(given, EventCallbacks):

@@ -98,7 +98,7 @@ class _Waits:
 
 @dataclass
 class RunningNodes:
-    """The nodes that run during each waiting call of a notebook: live nodes and the kit's own nodes."""
+    """The nodes that run in each waiting call of a notebook: live nodes and the kit's own."""
 
     nodes: list[HandledNode] = field(default_factory=list)
 
@@ -253,7 +253,7 @@ class Executor(AbstractContextManager["Executor"]):
 
     @contextmanager
     def _course_joined_by(self, nodes: Sequence[HandledNode]) -> Iterator[None]:
-        """Run the callbacks of further nodes during the block, in a thread that belongs to the program."""
+        """Run the callbacks of further nodes during the block, in a program thread."""
         with time_lock.hold():
             new_nodes = [node for node in nodes if self.add_node(node)]
             try:
@@ -396,7 +396,7 @@ class Executor(AbstractContextManager["Executor"]):
         return self.__waits
 
     def __require_context(self, limit_ns: int) -> None:
-        """Raise the error that rclpy raises when it starts to wait in a context that was shut down."""
+        """Raise rclpy's error for starting to wait in a context that was shut down."""
         if not self.context.is_valid:
             operation = "create timer" if limit_ns > 0 else "initialize wait set"
             raise RCLError(f"failed to {operation}: {INVALID_CONTEXT}")
@@ -492,7 +492,7 @@ class Executor(AbstractContextManager["Executor"]):
         return sorted(ready, key=lambda task: task._course_number)
 
     def __next_callback(self) -> Task | None:
-        """Return the task for the callback that became ready first, or None if no callback is ready."""
+        """Return the task for the callback that became ready first, or None without one."""
         while True:
             first: Turn | None = None
             for handle in self._nodes.values():

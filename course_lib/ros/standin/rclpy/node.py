@@ -101,7 +101,7 @@ _READ_BY_RCLPY: Mapping[str, tuple[type[Exception], str]] = {
 
 
 def _reject_hidden_properties(kind: type) -> None:
-    """Raise the error of rclpy if a class has a method with the name of a property that rclpy reads."""
+    """Raise rclpy's error for a class with a method named like a property that rclpy reads."""
     for name, (error, text) in _READ_BY_RCLPY.items():
         if isinstance(getattr(kind, name, None), FunctionType):
             raise error(text)
@@ -746,7 +746,7 @@ class Node:
         return self.__parameter_store.set(parameter_list, may_be_undeclared=may_be_undeclared)
 
     def add_pre_set_parameters_callback(self, callback: Pre) -> None:
-        """Add a callback that runs before a change; `callback(parameters)` returns the parameters to set."""
+        """Add a callback that runs before a change and returns the parameters to set."""
         # Unlike the others, rclpy does not check this callback here.
         self.__parameter_store.pre_set_callbacks.insert(0, callback)
 
@@ -795,7 +795,7 @@ class Node:
     def declare_parameters(
         self, namespace: str, parameters: Sequence[tuple[Any, ...]], ignore_override: bool = False
     ) -> list[Parameter]:
-        """Declare parameters in a namespace, each as (name), (name, value) or (name, value, descriptor)."""
+        """Declare parameters in a namespace: (name), (name, value) or (name, value, descriptor)."""
         return self.__parameter_store.declare(namespace, parameters, ignore_override=ignore_override)
 
     def undeclare_parameter(self, name: str) -> None:
@@ -884,7 +884,7 @@ class Node:
         return [self.describe_parameter(name) for name in names]
 
     def list_parameters(self, prefixes: list[str], depth: int) -> ListParametersResult:
-        """List names below prefixes, at most `depth` tokens deep (0: no limit), and their prefixes."""
+        """List names below prefixes, at most `depth` tokens deep (0: any), and their prefixes."""
         if not isinstance(prefixes, list):
             raise TypeError("The prefixes argument must be a list")
         if not all(isinstance(prefix, str) for prefix in prefixes):

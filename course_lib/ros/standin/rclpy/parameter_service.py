@@ -1,4 +1,4 @@
-"""The services that each node offers: its parameters, the log levels of its process, and its types."""
+"""The services of each node: its parameters, its process's log levels, and its types."""
 
 import re
 from typing import Any

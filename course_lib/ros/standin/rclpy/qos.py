@@ -121,7 +121,7 @@ class QoSPolicyKind(IntEnum):
 
 
 class _DeprecatedAlias:
-    """A policy value under its deprecated rmw name, for example `RMW_QOS_POLICY_RELIABILITY_RELIABLE`."""
+    """A policy value under its deprecated rmw name, like `RMW_QOS_POLICY_RELIABILITY_RELIABLE`."""
 
     def __init__(self, name: str, deprecated: str) -> None:
         self._name, self._deprecated = name, deprecated

@@ -1,4 +1,4 @@
-"""Service introspection, which publishes requests and responses on the topic `<service>/_service_event`."""
+"""Service introspection: requests and responses on the topic `<service>/_service_event`."""
 
 from enum import IntEnum
 from typing import Any

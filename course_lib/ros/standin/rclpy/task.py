@@ -155,7 +155,7 @@ class Future(Generic[T]):
         self._schedule_or_invoke_done_callbacks()
 
     def add_done_callback(self, callback: Callable[[Future[T]], object]) -> None:
-        """Call `callback(future)` when the future is done or cancelled; immediately if it already is."""
+        """Call `callback(future)` when the future is or becomes done or cancelled."""
         if self._state is FutureState.PENDING:
             self._callbacks.append(callback)
             return
@@ -196,7 +196,7 @@ else:
 
 
 class Task(_AnyFuture):
-    """A function or coroutine that an executor runs, and its result; created by `Executor.create_task`."""
+    """A function or coroutine that an executor runs, from `Executor.create_task`, and its result."""
 
     def __init__(
         self,
@@ -252,7 +252,7 @@ class Task(_AnyFuture):
         super().cancel()
 
     def _course_can_go_on(self) -> bool:
-        """Return whether the task can run: it has not started, or the future that it awaits is done."""
+        """Return whether the task has not started, or the future that it awaits is done."""
         if self._state is not FutureState.PENDING or self._executing:
             return False
         return self._course_awaited is None or not self._course_awaited._pending()

@@ -1,4 +1,4 @@
-"""Time sources, which let the clocks of a node follow the topic /clock while `use_sim_time` is true."""
+"""Time sources: a node's clocks follow the topic /clock while `use_sim_time` is true."""
 
 import weakref
 

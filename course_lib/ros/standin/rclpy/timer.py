@@ -147,7 +147,7 @@ class Timer(Entity):
         return self.__require().clock.handle.now_ns - self.__last_ns
 
     def time_until_next_call(self) -> int | None:
-        """Return the time until the next call, [ns]; negative if late, None if the timer is cancelled."""
+        """Return the time until the next call, [ns]: negative if late, None if cancelled."""
         self.__require()
         return None if self.__canceled else self.__next_ns - self.clock.handle.now_ns
 
@@ -265,7 +265,7 @@ class Rate:
             raise ROSInterruptException
 
     def __remind(self, sleeper: int) -> None:
-        """Print a hint, once, with the line of a thread that sleeps although no thread spins the node."""
+        """Print a hint once, with the line of a thread that sleeps while no thread spins the node."""
         from course_lib.ros.tracebacks import line_of_thread
 
         node = self._timer._course_node

@@ -1,4 +1,4 @@
-"""Conversions of points, transforms, images and maps, and the registry of converters by message type."""
+"""Conversions of points, transforms, images and maps, and the registry by message type."""
 
 import sys
 from collections.abc import Callable, Sequence
@@ -108,7 +108,7 @@ def quat_to_numpy(msg: Quaternion) -> Floats:
 
 @converts_from_numpy(Quaternion)
 def numpy_to_quat(arr: Any) -> Any:
-    """Convert [x, y, z, w] to a quaternion, or an array with more axes to a nested list of quaternions."""
+    """Convert [x, y, z, w] to a quaternion, or more axes to a nested list of quaternions."""
     values = np.asarray(arr, dtype=float)
     if values.shape[-1:] != (4,):
         raise ValueError(f"a quaternion has the four numbers x, y, z, w, not the shape {values.shape}")

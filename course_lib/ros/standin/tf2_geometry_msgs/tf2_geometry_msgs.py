@@ -80,7 +80,7 @@ def do_transform_polygon_stamped(
 
 
 def transform_covariance(cov_in: Floats, transform: TransformStamped) -> Floats:
-    """Transform a covariance of (x, y, z, rotation about x, y, z) to the parent frame, shape (36,)."""
+    """Transform a covariance of (x, y, z, rotation about x, y, z), shape (36,), to the parent frame."""
     turn = Transform.from_message(transform).matrix()[:3, :3]
     block_rotation = np.kron(np.eye(2), turn)
     covariance: Floats = block_rotation @ np.reshape(cov_in, (6, 6)) @ block_rotation.T

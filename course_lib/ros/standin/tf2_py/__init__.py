@@ -77,7 +77,7 @@ class BufferCore:
         return _message(self._core.lookup_full(*query))
 
     def get_latest_common_time(self, target_frame: str, source_frame: str, /) -> Time:
-        """Return the newest time at which the transform between two frames is known; 0 if it is static."""
+        """Return the newest time of the transform between two frames; 0 if it is static."""
         return Time(nanoseconds=self._core.latest_common_time(*_texts((1, target_frame), (2, source_frame))))
 
     def all_frames_as_yaml(self) -> str:

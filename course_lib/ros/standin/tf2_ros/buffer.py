@@ -112,7 +112,7 @@ class Buffer(BufferCore, BufferInterface):
         timeout: Duration = NO_WAIT,
         return_debug_tuple: bool = False,
     ) -> Any:
-        """Return whether a full lookup would succeed, 1 or 0, with `return_debug_tuple` also the reason."""
+        """Return 1 if a full lookup would succeed, else 0; with `return_debug_tuple` also the reason."""
         query = target_frame, target_time, source_frame, source_time, fixed_frame
         _wait(lambda: self.can_transform_full_core(*query), timeout)
         answer = self.can_transform_full_core(*query)

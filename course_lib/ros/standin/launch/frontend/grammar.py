@@ -43,7 +43,7 @@ _SUBSTITUTIONS_OF_ROS_1 = {"arg": "var", "find": "find-pkg-share", "optenv": "en
 
 @dataclass(frozen=True)
 class Form:
-    """A substitution of launch files: the function that creates it, and its allowed numbers of arguments."""
+    """A substitution of launch files: the function that creates it, and its numbers of arguments."""
 
     make: Callable[..., Substitution]
     least: int = 0
@@ -182,7 +182,7 @@ class InvalidFrontendLaunchFileError(InvalidLaunchFileError):
 
 @dataclass(frozen=True)
 class Attribute:
-    """An attribute or child tag of an element: its name, its reader, and the argument that it becomes."""
+    """An attribute or child tag of an element: name, reader, and the argument that it becomes."""
 
     name: str
     read: Reader

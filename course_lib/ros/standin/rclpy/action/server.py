@@ -366,7 +366,7 @@ class ActionServer:
         wanted: GoalInfo,
         response: CancelGoal.Response,
     ) -> list[ServerGoalHandle]:
-        """Find the goals that a request selects: one, all accepted up to a time, or all (CancelGoal.srv)."""
+        """Find a request's goals: one, all accepted up to a time, or all (CancelGoal.srv)."""
         key, until = bytes(wanted.goal_id.uuid), Time.from_msg(wanted.stamp).nanoseconds
         if any(key) and not until:
             goal = self._goal_handles.get(key)

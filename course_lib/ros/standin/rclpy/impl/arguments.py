@@ -68,7 +68,11 @@ class Arguments:
         """Return the parameter overrides of one node, by parameter name."""
         parameters: dict[str, Parameter] = {}
         for nodes, values in self.overrides:
-            if _pattern(nodes).fullmatch(full_node_name):
+            # `*` matches one token of a full name, `**` any number of tokens.
+            parts = re.split(r"(/\*\*|/\*)", nodes if nodes.startswith("/") else f"/{nodes}")
+            wild = {"/**": r"(/\w+)*", "/*": r"(/\w+)"}
+            pattern = "".join(wild.get(part, re.escape(part)) for part in parts)
+            if re.fullmatch(pattern, full_node_name):
                 # In rcl an empty list has no type, so it is not a value.
                 parameters |= {n: Parameter(n, value=None if v == [] else v) for n, v in values.items()}
         return parameters
@@ -120,13 +124,6 @@ def merge_arguments(first: Arguments, second: Arguments) -> Arguments:
     return Arguments(first.remaps + second.remaps, second.overrides + first.overrides, levels)
 
 
-def _pattern(nodes: str) -> "re.Pattern[str]":
-    """Compile a node name pattern: `*` matches one token of a full name, `**` any number of tokens."""
-    parts = re.split(r"(/\*\*|/\*)", nodes if nodes.startswith("/") else f"/{nodes}")
-    wild = {"/**": r"(/\w+)*", "/*": r"(/\w+)"}
-    return re.compile("".join(wild.get(part, re.escape(part)) for part in parts))
-
-
 def strip_ros_arguments(args: Sequence[str]) -> list[str]:
     """Return the arguments of the program itself. Raises the errors of `parse`."""
     parse(args)
@@ -134,7 +131,7 @@ def strip_ros_arguments(args: Sequence[str]) -> list[str]:
 
 
 def _split(args: Sequence[str]) -> Iterator[tuple[str, bool]]:
-    """Yield each argument except `--ros-args` and the `--` that ends it, and whether it is for ROS."""
+    """Yield each argument but `--ros-args` and the `--` that ends it, and whether it is for ROS."""
     for_ros = False
     for word in args:
         if not isinstance(word, str):
@@ -146,7 +143,7 @@ def _split(args: Sequence[str]) -> Iterator[tuple[str, bool]]:
 
 
 def _ros_1_remap(word: str) -> Remap | None:
-    """Parse a remapping in ROS 1 style, `chatter:=other`; return None for an argument of the program."""
+    """Parse a remapping in ROS 1 style, `chatter:=other`; return None for other arguments."""
     rule = _RULE.fullmatch(word)
     if rule is None:
         return None

@@ -75,7 +75,7 @@ class Endpoint:
             _report_pair(graph, publisher, subscription, change=1)
 
     def _pairs(self) -> list[tuple[EndpointInfo, EndpointInfo]]:
-        """List (publisher, subscription) for each endpoint on the other side of the topic, matched or not."""
+        """List (publisher, subscription) for each endpoint on the topic's other side, matched or not."""
         on_topic = self.node.graph.endpoints_on(self.topic_name)
         me = next((info for info in on_topic if info.id == self.id), None)
         if me is None:
@@ -121,7 +121,7 @@ def _events_of(graph: Graph, *infos: EndpointInfo) -> list[Events]:
 
 
 class TopicEnd(Generic[MsgT]):
-    """Base class of publishers and subscriptions: message type, topic as given, endpoint in the graph."""
+    """Base class of publishers and subscriptions: message type, given topic, endpoint in the graph."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""Graph queries in rclpy's data types: names and types of topics, services and actions, endpoints, QoS."""
+"""Graph queries in rclpy's data types: topics, services, actions, endpoints and their QoS."""
 
 from collections.abc import Iterable
 from enum import IntEnum

@@ -71,7 +71,7 @@ FULL_TOPIC = _absolute("topic name", "", "topic length", 247, "255U - 8U")
 
 
 def validate_node_name(name: str) -> bool:
-    """Raise InvalidNodeNameException if `name` is not a valid node name; else return True, as in rclpy."""
+    """Raise InvalidNodeNameException for an invalid node name; else return True, as in rclpy."""
     _refuse(name, NODE_NAME, InvalidNodeNameException)
     return True
 
@@ -84,7 +84,7 @@ def validate_namespace(namespace: str) -> bool:
 
 
 def validate_full_topic_name(name: str, *, is_service: bool = False) -> bool:
-    """Raise Invalid(Topic or Service)NameException unless `name` is valid and absolute; else return True."""
+    """Return True, or raise Invalid(Topic or Service)NameException for an invalid or relative name."""
     if not isinstance(name, str):
         raise TypeError("rclpy_get_validation_error_for_full_topic_name(): incompatible function arguments.")
     _refuse(name, FULL_TOPIC, _ERRORS["service" if is_service else "topic"])

@@ -106,7 +106,7 @@ class NodeExecutor(TaskRunner, Protocol):
 
 
 class Turn(NamedTuple):
-    """A ready entity in an executor's queue, with its position and the time since which it is ready [ns]."""
+    """A ready entity in an executor's queue: its position, and since when it is ready [ns]."""
 
     order: int
     entity: "Entity"
@@ -114,7 +114,7 @@ class Turn(NamedTuple):
 
 
 class NodeHandle:
-    """The state of a node in the graph: its names, the numbers of its entities, and its ready entities."""
+    """A node in the graph: its names, the numbers of its entities, and its ready entities."""
 
     def __init__(self, context: Context, name: str, namespace: str, arguments: Arguments) -> None:
         self.context = context
@@ -176,7 +176,7 @@ class NodeHandle:
         self._ready.clear()
 
     def note_work(self) -> None:
-        """Record that a timer or message is ready although no executor spins the node, for a warning."""
+        """Record, for a warning, a ready timer or message while no executor spins the node."""
         if self._executor is None and not self.has_left:
             self.graph.state(ProgramNodes).unspun[self.id] = self.full_name
 
@@ -186,7 +186,7 @@ class NodeHandle:
         return self._entities
 
     def mark_ready(self, entity: "Entity") -> None:
-        """Queue an entity for an executor, after all entities that became ready earlier, in any node."""
+        """Queue an entity for an executor, after all that became ready earlier, in any node."""
         self._ready.append(Turn(next(order), entity, self.graph.now_ns))
 
     def first_ready(self) -> Turn | None:

@@ -1,4 +1,4 @@
-"""The parameters of a node: declarations, the values that descriptors allow, and rclpy's error texts."""
+"""The parameters of a node: declarations, allowed values, and rclpy's error texts."""
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -199,7 +199,7 @@ def _resolve_type(
     value: Any,
     descriptor: ParameterDescriptor,
 ) -> tuple[Any, ParameterDescriptor]:
-    """Set a descriptor's type to the value's type, or to the type that is passed instead of a value."""
+    """Set a descriptor's type to the value's type, or to the type passed instead of a value."""
     if isinstance(value, Parameter.Type):
         if value is Parameter.Type.NOT_SET:
             raise ValueError(f"Cannot declare parameter {{{name}}} as statically typed of type NOT_SET")

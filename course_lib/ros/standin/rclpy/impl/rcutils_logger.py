@@ -146,7 +146,7 @@ class Rosout:
 
 @dataclass
 class CallSite:
-    """A logging call in the source code: the options of its first execution, and the state of its filters."""
+    """A logging call in the source: the options of its first execution, and its filters' state."""
 
     options: dict[str, Any]
     context: dict[str, Any] = field(default_factory=dict)
@@ -324,7 +324,7 @@ def _collect_options(
     name: str,
     keywords: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """Collect the options of a call under the names that rclpy's error uses if one of them changes."""
+    """Collect a call's options under the names of rclpy's error for changed options."""
     filters = get_filters_from_kwargs(**keywords)
     parameters = {
         option: keywords.get(option, default)

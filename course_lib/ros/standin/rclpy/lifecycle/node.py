@@ -1,4 +1,4 @@
-"""Lifecycle nodes, whose state other nodes can query and change, and the entities that they manage."""
+"""Lifecycle nodes, whose state other nodes query and change, and their managed entities."""
 
 from collections.abc import Callable
 from enum import Enum
@@ -117,7 +117,7 @@ class SimpleManagedEntity(ManagedEntity):
         *,
         when_not_enabled: Callable[[], object] | None = None,
     ) -> Any:
-        """Decorate a method so that it runs only while enabled; otherwise `when_not_enabled` is called."""
+        """Decorate a method: while the entity is not enabled, `when_not_enabled` is called instead."""
 
         def decorated(method: Method[SelfT, P]) -> Any:
             @wraps(method)
@@ -224,7 +224,7 @@ class StateMachine:
 
     @property
     def available_transitions(self) -> list[tuple[int, str, int, str, int, str]]:
-        """The transitions from the current state: their id and label, and ids and labels of both states."""
+        """The transitions from the current state: id and label of them and of both states."""
         return [
             (step.number, step.label, STATES[step.start], step.start, STATES[step.goal], step.goal)
             for step in self.steps()
@@ -310,7 +310,7 @@ class LifecycleServices:
             node.create_service(kind, f"{prefix}/{name}", answer, callback_group=group)
 
     def _change_state(self, request: Any, response: Any) -> Any:
-        """Trigger the requested transition, identified by its label or, without a label, by its number."""
+        """Trigger the requested transition, found by its label or, without one, by its number."""
         transition_id = request.transition.id
         if request.transition.label:
             step = self._machine.find(request.transition.label)
