@@ -128,15 +128,19 @@ def check_function(title: str) -> Callable[[Find[Given]], Callable[Given, Check]
             full = title.format(**values.arguments, given=join_words(list(kwargs)) or "is there")
             return Check(full, judge, origin=origin)
 
-        # `help` shows the author's signature: without the evidence, returning a check.
-        parameters = list(signature.parameters.values())[1:]
-        expect.__signature__ = signature.replace(parameters=parameters, return_annotation=Check)
-        expect.__annotations__ = {p.name: p.annotation for p in parameters} | {"return": Check}
-        # The lines of an entry that continue it are indented further.
-        expect.__doc__ = re.sub(r"\n( +)evidence: .*(\n\1 +\S.*)*", "", expect.__doc__ or "")
+        _set_signature(expect, signature)
         return expect
 
     return decorate
+
+
+def _set_signature(expect: Any, signature: inspect.Signature) -> None:
+    """Make `help` show the author's signature: without the evidence, returning a check."""
+    parameters = list(signature.parameters.values())[1:]
+    expect.__signature__ = signature.replace(parameters=parameters, return_annotation=Check)
+    expect.__annotations__ = {p.name: p.annotation for p in parameters} | {"return": Check}
+    # The lines of an entry that continue it are indented further.
+    expect.__doc__ = re.sub(r"\n( +)evidence: .*(\n\1 +\S.*)*", "", expect.__doc__ or "")
 
 
 def _combine(problems: Sequence[Problem]) -> Verdict:
