@@ -368,4 +368,4 @@ def _finite(value: Any) -> float:
 
 
 def _argument_name(label: str) -> str:
-    return label.lower().replace(" ", "_")
+    return label.lower().replace(" ", "_").replace("(", "").replace(")", "")

@@ -60,7 +60,7 @@ def test_rows_with_and_without_values_have_equal_heights(bench: Bench) -> None:
     rows = bench.page.get_by_role("treegrid", name="Displays").get_by_role("row").all()
     boxes = [row.bounding_box() for row in rows]
     assert len(boxes) > 10
-    assert {box and box["height"] for box in boxes} == {22}
+    assert {box and box["height"] for box in boxes} == {24}
 
 
 @pytest.mark.slow

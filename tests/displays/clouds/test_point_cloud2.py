@@ -122,3 +122,10 @@ def test_empty_cloud_has_no_points() -> None:
     bench.publish(TOPIC, cloud(plain([])))
     bench.update()
     assert bench.status(display, "Points") == ("ok", "Showing [0] points from [1] messages")
+
+
+def test_argument_name_of_a_property_has_no_parentheses() -> None:
+    display = Bench().session.add("rviz_default_plugins/PointCloud2", "Cloud", {}, size_m=0.2)
+    assert display["Size (m)"] == display["size_m"] == 0.2
+    display["size_pixels"] = 5
+    assert display["Size (Pixels)"] == 5.0
