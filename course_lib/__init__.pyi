@@ -1,5 +1,6 @@
 from .controls import slider as slider
 from .course.exercise import ask_identity as ask_identity
+from .course.exercise import set_identity as set_identity
 from .course.questions import compare as compare
 from .course.questions import predict as predict
 from .course.questions import quiz as quiz

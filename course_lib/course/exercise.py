@@ -190,6 +190,10 @@ MAX_LENGTH = 64
 EXTRA_CHARACTERS = "-_.@"
 
 
+# What to type in a cell, for messages.
+SET_IDENTITY = "from course_lib import set_identity; set_identity('{}')"
+
+
 def normalise(text: str) -> str:
     """Normalize an ID: remove spaces, convert to lower case and digits of any script to 0-9.
 
@@ -215,14 +219,21 @@ def current_identity() -> str | None:
 
 
 def set_identity(text: str) -> str:
-    """Store the ID, write it into the exercises of the student's folder, and return a confirmation."""
+    """Store the ID, write it into the exercises of the student's folder, and return a confirmation.
+
+    Args:
+        text: The student ID, like "20231234".
+
+    Raises:
+        CourseError: It is not an ID.
+    """
     student, state = normalise(text), student_state()
     state.put("identity", "student", student)
     where = "while this kernel lives"
     if state.folder:
         exercises = format_count(len(stamp_exercises(state.folder, student)), "exercise")
         where = f"in {state.folder} and in {exercises}"
-    return f"Your ID is {student}, kept {where}. To change it: set_identity('another-id')"
+    return f"Your ID is {student}, kept {where}."
 
 
 def personal_number(student: str | None, key: str, choices: int) -> int:
@@ -235,11 +246,11 @@ def ask_identity() -> None:
     """Show a form for the ID unless one is stored. Without a page, print how to set it."""
     identity = current_identity()
     if identity:
-        text = f"Your ID is {identity}. To change it: set_identity('another-id')"
+        text = f"Your ID is {identity}. To change it, type another one and press Enter or Keep."
     elif in_notebook():
         text = "Type your student ID and press Enter or Keep."
     else:
-        text = "No page to ask in, so your student ID is not set. Type: set_identity('your-id')"
+        text = f"No page to ask in, so your student ID is not set. Type: {SET_IDENTITY.format('your-id')}"
     show(lambda: _form(identity, text), text)
 
 

@@ -110,11 +110,13 @@ class LastCheck:
         time: Time of the check.
         passed: Whether all public checks passed and the task was not empty.
         cells: Digests of the cells that had been run before.
+        student: The ID whose personal values were checked, "" for a guest; None if it is unknown.
     """
 
     time: datetime
     passed: bool
     cells: frozenset[str] = frozenset()
+    student: str | None = None
 
 
 @dataclass(frozen=True)
@@ -149,19 +151,24 @@ def cell_digest(text: str) -> str:
     return hashlib.sha256(text.strip().encode("utf-8", "replace")).hexdigest()[:DIGITS]
 
 
-def save_check(state: State, task_id: str, *, passed: bool, cells: Iterable[str]) -> None:
-    """Store that a task was checked now, with digests of these cells."""
+def save_check(
+    state: State, task_id: str, *, passed: bool, cells: Iterable[str], student: str | None
+) -> None:
+    """Store that a task was checked now for a student, with digests of these cells."""
     time = datetime.now(UTC).isoformat(timespec="seconds")
     digests = sorted({cell_digest(cell) for cell in cells})
-    state.put(CHECKS, task_id, {"time": time, "passed": passed, "cells": digests})
+    check = {"time": time, "passed": passed, "cells": digests, "student": student or ""}
+    state.put(CHECKS, task_id, check)
 
 
 def last_check(state: State, task_id: str) -> LastCheck | None:
     """Return the last check of a task, or None if there is none or its entry is unreadable."""
     match state.get(CHECKS, task_id):
-        case {"time": str(time), "passed": bool(passed), "cells": list(cells)}:
+        case {"time": str(time), "passed": bool(passed), "cells": list(cells), **others}:
+            # Version 0.3 did not store the student.
+            student = None if "student" not in others else str(others["student"])
             try:
-                return LastCheck(datetime.fromisoformat(time), passed, frozenset(map(str, cells)))
+                return LastCheck(datetime.fromisoformat(time), passed, frozenset(map(str, cells)), student)
             except ValueError:
                 return None
     return None

@@ -83,7 +83,7 @@ def check(task_id: str, subject: Any = MISSING) -> None:
     shell = ipython.get_ipython() if ipython is not None else None
     history = getattr(shell, "history_manager", None)
     cells = [] if history is None else list(history.input_hist_raw)
-    save_progress(task, result, cells)
+    save_progress(task, result, cells, student)
     table = table_of(task, result, evidence, student, _ADVICE, source, caught)
     # Python files of the notebook's folder that were imported are not submitted with it.
     here = Path.cwd()
@@ -110,11 +110,12 @@ def bind_only(bind: Callable[[str, Any], None]) -> None:
     _bind = bind
 
 
-def save_progress(task: Task, result: TaskResult, cells: Sequence[str]) -> None:
-    """Store a task's points and the cells run so far in the student's folder."""
+def save_progress(task: Task, result: TaskResult, cells: Sequence[str], student: str | None) -> None:
+    """Store a task's points, the cells run so far, and for whom, in the student's folder."""
     state = student_state()
     state.put("progress", task.id, {"score": result.score, "of": result.points})
-    save_check(state, task.id, passed=result.passed and not result.is_untouched, cells=cells)
+    passed = result.passed and not result.is_untouched
+    save_check(state, task.id, passed=passed, cells=cells, student=student)
 
 
 def next_step(catalog: Catalog, task: Task) -> str:

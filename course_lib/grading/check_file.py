@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from course_lib.course.exercise import current_identity, find_notebook
+from course_lib.course.exercise import SET_IDENTITY, current_identity, find_notebook
 from course_lib.errors import CourseError, format_count
 from course_lib.grading.advice import Advice
 from course_lib.grading.check import save_progress, table_of
@@ -50,15 +50,15 @@ def check_file(path: Path) -> bool:
     parts += map(NOT_SUBMITTED.format, own_modules(path, notebook.cells))
     advice = Advice()
     for task, result in zip(tasks, judgement.tasks, strict=True):
-        save_progress(task, result, notebook.cells)
+        save_progress(task, result, notebook.cells, student)
         evidence = [run.evidence for run in exercise_run.runs if run.evidence.task == task.id]
         follows = causes.is_only_cause(result)
         table = table_of(task, result, evidence, student, advice, _source_of(task, notebook.cells))
         parts.append(NOT_CHECKED.format(task) if follows else table)
     if identity and student != identity:
         parts.append(
-            f"{path.name} has the student ID {student}, but yours is {identity}. Run "
-            f"set_identity('{identity}') in it."
+            f"{path.name} has the student ID {student}, but yours is {identity}. Run in a cell: "
+            f"{SET_IDENTITY.format(identity)}"
         )
     print(*parts, sep="\n\n")  # noqa: T201
     return all(result.passed for result in judgement.tasks)

@@ -225,6 +225,17 @@ def test_module_of_the_student_is_reported_as_missing_from_the_submission(
     ]
 
 
+@pytest.mark.parametrize(("student", "whose"), [("bob", "for the ID bob"), ("", "without an ID")])
+def test_check_with_the_numbers_of_another_id_is_reported(
+    write: Callable[..., Path], folder: Path, student: str, whose: str
+) -> None:
+    State(folder).put("identity", "student", student or None)
+    check_file(write(student=student))
+    State(folder).put("identity", "student", "ada")
+    text = f"answer was last checked {whose}, with other numbers than yours: check it again"
+    assert text in warned(write(student="ada"))
+
+
 @pytest.mark.parametrize("cell", ["%%time\nx = 1", "!ls\nawait y", "x?", "%ros2 topic list | wc", ""])
 def test_ipython_syntax_is_not_a_syntax_error(
     checked: list[str], write: Callable[..., Path], cell: str

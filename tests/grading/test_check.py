@@ -18,7 +18,7 @@ from course_lib.grading.check import CheckFailedError, check, next_step
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER
 from course_lib.grading.records import CheckResult, TaskResult
-from course_lib.grading.reports.rendering import Table
+from course_lib.grading.reports.rendering import Table, rows
 from course_lib.grading.store import Course
 from course_lib.grading.task import Call, Row, Scenario, Task, load_catalog, shipped_catalog
 
@@ -336,3 +336,10 @@ def test_object_of_another_task_is_reported(
         'Hint: RedCubeNode belongs to another task. Write: check("week01.half", half)'
         in capsys.readouterr().out
     )
+
+
+def test_titles_of_a_row_state_their_scenario_once() -> None:
+    titles = ("a ramp: each point", "a ramp: stripe 1", "the count", "a drive: stripe 1")
+    results = [CheckResult(title, "public", False, 1.0, 0.0, "nothing was published", "") for title in titles]
+    (row,) = rows(results)
+    assert row.title == "a ramp: each point, stripe 1; the count; a drive: stripe 1"

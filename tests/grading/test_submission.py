@@ -39,7 +39,7 @@ def test_submission_package_is_read_with_its_receipt(tmp_path: Path, write_noteb
 
 def test_missing_student_id_is_reported_at_submission(tmp_path: Path, write_notebook: WriteNotebook) -> None:
     exercise = write_notebook(tmp_path / "week01_exercise.ipynb", "x = 1")
-    assert "It has no student ID" in submit(exercise, tmp_path / "out.zip").text()
+    assert "it has no student ID" in submit(exercise, tmp_path / "out.zip").text()
 
 
 @pytest.mark.parametrize(

@@ -113,9 +113,16 @@ def scored_rows(
         title = f"{title} (hidden)" if check.hidden and show_hidden else title
         shares = not check.passed and not check.hidden and why
         key = (word, why) if shares else (title, str(len(rows_by_key)))
-        title = f"{rows_by_key[key][1].title}; {title}" if key in rows_by_key else title
+        title = _join_titles(rows_by_key[key][1].title, title) if key in rows_by_key else title
         rows_by_key[key] = (check.score, CheckRow(icon, word, title, why))
     return list(rows_by_key.values())
+
+
+def _join_titles(titles: str, title: str) -> str:
+    """Append a title to those of a row, without the start up to a colon that it shares with the last one."""
+    scenario, _, rest = title.rpartition(": ")
+    is_shared = scenario and titles.rpartition("; ")[2].startswith(f"{scenario}: ")
+    return f"{titles}, {rest}" if is_shared else f"{titles}; {title}"
 
 
 def fill(template: str, **values: Any) -> str:

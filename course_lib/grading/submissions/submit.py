@@ -13,7 +13,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from course_lib.course.exercise import current_identity, find_notebook
+from course_lib.course.exercise import SET_IDENTITY, current_identity, find_notebook
 from course_lib.course.state import (
     LastCheck,
     PackedSubmission,
@@ -41,7 +41,7 @@ from course_lib.grading.submissions.submission import NO_EXERCISE, content_hash,
 from course_lib.grading.task import Task, shipped_catalog
 from course_lib.third_party import read_bytes
 
-NO_ID = "It has no student ID: enter your ID (open {}) and submit again."
+NO_ID = "it has no student ID. Enter your ID (open {}) and run the command again"
 
 
 @dataclass(frozen=True)
@@ -102,8 +102,8 @@ class NotebookReview:
         if stored_id and self._identity and stored_id != self._identity:
             problems.append(
                 f"{self._path.name} has the student ID {stored_id}, but yours is {self._identity}: "
-                f"open {first_lesson()}, or type set_identity('{self._identity}') in a cell, then "
-                "submit again"
+                f"open {first_lesson()}, or type {SET_IDENTITY.format(self._identity)} in a cell, "
+                "then submit again"
             )
         return problems
 
@@ -112,6 +112,11 @@ class NotebookReview:
         if cell is None:
             return TaskState("missing", f"is missing: no cell defines {task.name}")
         as_checked = last is not None and cell.digest in last.cells
+        student = self._identity or self._notebook.student or ""
+        if task.personal and last is not None and last.student not in (None, student):
+            whose = f"for the ID {last.student}" if last.student else "without an ID"
+            text = f"was last checked {whose}, with other numbers than yours: check it again"
+            return TaskState("changed since its check", text)
         if last is not None and last.passed and as_checked:
             return TaskState("passed")
         if cell.digest in self._released_digests:
@@ -232,9 +237,10 @@ class Receipt:
     def text(self) -> str:
         """Return the lines for the student."""
         rows = "".join(f"\n  {key:11} {value or 'none'}" for key, value in self.content.items())
-        no_id = "" if self.content["student"] else f"\n{NO_ID.format(first_lesson())}"
         warned = report(self.warnings, _path_to_type(self.notebook))
-        return f"Wrote {self.file}: this is the file to submit. Its receipt:{rows}{no_id}{warned}"
+        missing_id = NO_ID.format(first_lesson())
+        what = "this is the file to submit" if self.content["student"] else missing_id
+        return f"Wrote {self.file}: {what}. Its receipt:{rows}{warned}"
 
 
 def submit(path: Path, out: Path | None = None) -> Receipt:
