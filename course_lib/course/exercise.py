@@ -11,6 +11,7 @@ import re
 import sys
 import unicodedata
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -43,9 +44,18 @@ def find_notebook(path: Path) -> Path:
         # A broken symbolic link is listed, too.
         candidates = [str(notebook) for notebook in notebooks if notebook.exists()]
         matches = [name for name in candidates if Path(name).name.startswith(f"{path.name}_exercise.")]
+        matches += [name for name in candidates if _exercise_of(Path(name)) == path.stem]
         if suggestion := did_you_mean(matches[0] if matches else str(path), candidates):
             raise CourseError(f"there is no {path}{suggestion}")
     return path
+
+
+def _exercise_of(path: Path) -> str | None:
+    """Return the exercise in a notebook's metadata, which a renamed notebook keeps."""
+    with suppress(CourseError, OSError, AttributeError):
+        exercise = read_notebook(path)["metadata"].get("course", {}).get("exercise")
+        return exercise if isinstance(exercise, str) else None
+    return None
 
 
 def read_notebook(path: Path) -> Notebook:
@@ -229,11 +239,13 @@ def set_identity(text: str) -> str:
     """
     student, state = normalise(text), student_state()
     state.put("identity", "student", student)
-    where = "while this kernel lives"
-    if state.folder:
-        exercises = format_count(len(stamp_exercises(state.folder, student)), "exercise")
-        where = f"in {state.folder} and in {exercises}"
-    return f"Your ID is {student}, kept {where}."
+    where, then = "while this kernel lives", ""
+    if state.folder and (stamped := stamp_exercises(state.folder, student)):
+        where = f"in {state.folder} and in {format_count(len(stamped), 'exercise')}"
+        then = " If JupyterLab says that an open one has changed on disk, choose Overwrite."
+    elif state.folder:
+        where = f"in {state.folder}"
+    return f"Your ID is {student}, kept {where}.{then}"
 
 
 def personal_number(student: str | None, key: str, choices: int) -> int:

@@ -164,6 +164,8 @@ _NOTE = "* processor time on this machine at the wall clock's pace: all other nu
 _SHORTEST = 0.004
 _RAN, _WAITED = "tab:blue", "lightgrey"
 _ROW = 0.35  # [inch]
+# The height of a bar of `figure`: more than 20 fit into a window.
+_BAR = 0.2  # [inch]
 
 
 @dataclass(frozen=True)
@@ -224,30 +226,48 @@ class PerformanceReport:
         }
 
     def figure(self) -> Chart:
-        """Draw the rates, latencies and busy fractions as bar charts."""
+        """Draw the rates, latencies and busy fractions as bar charts.
+
+        Raises:
+            CourseError: Nothing was measured.
+        """
         from matplotlib.figure import Figure
 
-        panels = [
-            ("Rate [Hz]", [(row.topic, row.rate) for row in self.topics]),
-            (
-                "Mean latency [ms]",
-                [(row.topic, row.latency * 1e3) for row in self.topics if row.latency is not None],
-            ),
-            (
-                "Busy, robot time [%]",
-                [(f"{row.node} {row.callback}", row.busy * 1e2) for row in self.callbacks],
-            ),
+        rates = [(row.topic, row.rate) for row in self.topics]
+        latencies = [(row.topic, row.latency and row.latency * 1e3) for row in self.topics]
+        busy = [(f"{row.node} {row.callback}", row.busy * 1e2) for row in self.callbacks]
+        # Rates and latencies share the names of the topics, and so half the height.
+        rows = [
+            {"Rate [Hz]": rates, "Mean latency [ms]": latencies},
+            {"Busy, robot time [%]": busy},
         ]
-        panels = [(title, bars) for title, bars in panels if bars]
-        figure = Figure(figsize=(8, sum(1 + _ROW * len(bars) for _, bars in panels)), layout="constrained")
-        heights = [2 + len(bars) for _, bars in panels]
-        grid = figure.subplots(len(panels), squeeze=False, gridspec_kw={"height_ratios": heights})
-        for axes, (title, bars) in zip(grid.flat, panels, strict=True):
-            bar_container = axes.barh([name for name, _ in bars], [value for _, value in bars], color=_RAN)
-            axes.bar_label(bar_container, fmt="%.3g", padding=3)
-            axes.set_title(title, fontsize=10, loc="left")
-            axes.invert_yaxis()
-            axes.margins(x=0.12)
+        rows = [
+            {title: bars for title, bars in row.items() if any(value is not None for _, value in bars)}
+            for row in rows
+        ]
+        rows = [row for row in rows if row]
+        if not rows:
+            raise CourseError(_NO_MEASUREMENT.format(self.seconds))
+        heights = [_BAR * (3 + len(next(iter(row.values())))) for row in rows]
+        figure = Figure(figsize=(8, sum(heights)), layout="constrained")
+        parts = figure.subfigures(len(rows), squeeze=False, height_ratios=heights)
+        for part, row in zip(parts.flat, rows, strict=True):
+            plots = part.subplots(1, len(row), sharey=True, squeeze=False)
+            for axes, (title, bars) in zip(plots.flat, row.items(), strict=True):
+                values = [value or 0.0 for _, value in bars]
+                drawn = axes.barh([name for name, _ in bars], values, color=_RAN)
+                texts = ["-" if value is None else f"{value:.3g}" for _, value in bars]
+                axes.bar_label(drawn, texts, padding=3, fontsize=9)
+                axes.set_title(title, fontsize=10, loc="left")
+                axes.tick_params(labelsize=9)
+                axes.set_xlim(0.0, 1.2 * max(values) or 1.0)
+                axes.margins(y=0.02)
+            plots[0, 0].invert_yaxis()
+        panels = [
+            (title, [(name, value) for name, value in bars if value is not None])
+            for row in rows
+            for title, bars in row.items()
+        ]
         lines = (
             f"{title}: {', '.join(f'{name} {value:.3g}' for name, value in bars)}." for title, bars in panels
         )

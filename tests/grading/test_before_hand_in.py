@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from course_lib.course import progress
-from course_lib.course.state import State
+from course_lib.course.state import State, cell_digest
 from course_lib.errors import CourseError
 from course_lib.grading.check import check
 from course_lib.grading.check_file import check_file
@@ -279,3 +279,24 @@ def test_misspelled_notebook_name_is_reported_with_the_closest_match(
     monkeypatch.chdir(folder.parent)
     with pytest.raises(CourseError, match=r"Did you mean mine/week01_exercise\.ipynb"):
         submit(Path("week01_exercise"))
+
+
+def test_stub_that_was_run_before_the_right_answer_is_empty(
+    checked: list[str], write: Callable[..., Path], folder: Path
+) -> None:
+    stub = f"{DEFINED}\n    raise NotImplementedError"
+    assert check_file(write([*checked, f"# {stub}"]))
+    state = State(folder)
+    state.put("checks", "week01.half", {**state.get("checks", "week01.half"), "cells": [cell_digest(stub)]})
+    checked[HALF] = stub
+    assert any(line.startswith("half is not complete") for line in warned(write(checked)))
+
+
+def test_renamed_exercise_is_suggested(write: Callable[..., Path], folder: Path) -> None:
+    path = write()
+    content = json.loads(path.read_text())
+    content["metadata"]["course"]["exercise"] = "week01_exercise"
+    (folder / "mine.ipynb").write_text(json.dumps(content))
+    path.rename(folder / "week02_exercise.ipynb")
+    with pytest.raises(CourseError, match=r"there is no week01_exercise\.ipynb.*mine\.ipynb"):
+        submit(Path("week01_exercise.ipynb"))

@@ -3,6 +3,7 @@
 import re
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -179,6 +180,15 @@ def test_overview_contains_the_figures_of_the_report(graph: Graph, tmp_path: Pat
     assert "Mean latency [ms]: /detections 82, /image 1." in chart.alt
     chart.save(tmp_path / "overview.png")
     assert (tmp_path / "overview.png").stat().st_size > 1000
+
+
+def test_overview_of_many_topics_fits_into_a_window(graph: Graph) -> None:
+    report = measured()
+    topics = [replace(report.topics[0], topic=f"/topic_{number}") for number in range(15)]
+    callbacks = [replace(report.callbacks[0], callback=f"timer {number} s") for number in range(10)]
+    chart = replace(report, topics=tuple(topics), callbacks=tuple(callbacks)).figure()
+    # PNG stores the height there.
+    assert int.from_bytes(chart.png()[20:24], "big") < 700  # [px]
 
 
 @pytest.mark.parametrize(
