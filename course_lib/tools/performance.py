@@ -10,7 +10,7 @@ from io import BytesIO, StringIO
 from itertools import pairwise
 from pathlib import Path
 from statistics import fmean, pstdev
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from course_lib.errors import CourseError
 from course_lib.files import write_atomically
@@ -164,6 +164,8 @@ _NOTE = "* processor time on this machine at the wall clock's pace: all other nu
 _SHORTEST = 0.004
 _RAN, _WAITED = "tab:blue", "lightgrey"
 _ROW = 0.35  # [inch]
+# Names and values; a topic without stamps has no latency.
+_Bars: TypeAlias = list[tuple[str, float | None]]
 # The height of a bar of `figure`: more than 20 fit into a window.
 _BAR = 0.2  # [inch]
 
@@ -233,9 +235,9 @@ class PerformanceReport:
         """
         from matplotlib.figure import Figure
 
-        rates = [(row.topic, row.rate) for row in self.topics]
-        latencies = [(row.topic, row.latency and row.latency * 1e3) for row in self.topics]
-        busy = [(f"{row.node} {row.callback}", row.busy * 1e2) for row in self.callbacks]
+        rates: _Bars = [(row.topic, row.rate) for row in self.topics]
+        latencies: _Bars = [(row.topic, row.latency and row.latency * 1e3) for row in self.topics]
+        busy: _Bars = [(f"{row.node} {row.callback}", row.busy * 1e2) for row in self.callbacks]
         # Rates and latencies share the names of the topics, and so half the height.
         rows = [
             {"Rate [Hz]": rates, "Mean latency [ms]": latencies},
