@@ -307,6 +307,8 @@ def _middle(scene: Scene, path: str, drawable: drawables.Drawable) -> str:
 _MANY = 50
 # Percentiles of each coordinate that bound many points.
 _MOST = (2.0, 98.0)
+# Of more points, every n-th one is sufficient for percentiles.
+_SAMPLED = 20_000
 
 
 def bounds_of(scene: Scene, paths: Iterable[str]) -> Floats | None:
@@ -353,7 +355,9 @@ def _points_and_extent(drawable: drawables.Drawable) -> tuple[Reals, Reals]:
         return drawable.placements[:, :3, 3], np.abs(drawable.placements[:, :3, :3]).sum(axis=2) / 2
     if isinstance(drawable, drawables.Mesh):
         return drawable.vertices, nothing
-    if isinstance(drawable, drawables.Lines | drawables.Points):
+    if isinstance(drawable, drawables.Points):
+        return drawable.points[:: len(drawable.points) // _SAMPLED + 1], nothing
+    if isinstance(drawable, drawables.Lines):
         return drawable.points, nothing
     if isinstance(drawable, drawables.Sheet):
         rows, columns = drawable.cells.shape

@@ -12,6 +12,7 @@ from course_lib.displays.viewer import Viewer
 from course_lib.displays.views import Orbit, TopDownOrtho
 from course_lib.ros.graph.graph import Graph
 from course_lib.viewer.drawables import Camera, Points
+from course_lib.viewer.scene import Scene, _points_and_extent, bounds_of
 from tests.displays.bench import marker
 from tests.displays.stage import publish, wait
 from tests.viewer.test_stream import decoded
@@ -152,6 +153,17 @@ def test_few_far_points_of_a_cloud_do_not_shrink_the_others(viewer: Viewer) -> N
     viewer.scene.set_object("mine/cloud", Points(points, (1.0, 1.0, 1.0, 1.0), (1.0, 1.0)))
     assert view_of(viewer)[0] < 12.0
     assert is_in_picture(viewer.camera, (-2.9, 0.0, 0.0), (2.9, 0.0, 0.0))
+
+
+def test_bounds_of_a_large_cloud_are_those_of_its_percentiles() -> None:
+    scene = Scene()
+    points = np.random.default_rng(3).normal(0.0, 1.0, (300_000, 3)).astype(np.float32)
+    points[7] = (5000.0, 0.0, 0.0)
+    drawable = Points(points, (1.0, 1.0, 1.0, 1.0), (0.1, 0.1))
+    scene.set_object("cloud", drawable)
+    expected = np.percentile(points, (2, 98), axis=0)
+    np.testing.assert_allclose(bounds_of(scene, ["cloud"]), expected, atol=0.05)
+    assert len(_points_and_extent(drawable)[0]) <= 20_000
 
 
 def test_invisible_objects_are_ignored(graph: Graph, viewer: Viewer) -> None:
