@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError, did_you_mean
-from course_lib.tools.sources import Source, answer, own_node
+from course_lib.tools.sources import Source, answer, is_hidden, own_node
 from course_lib.tools.verb import NODE_OPTIONS, Option, Run, Verb, Write, flag, pattern, value
 
 if TYPE_CHECKING:
@@ -19,7 +19,10 @@ ANSWER_LIMIT = 5.0
 
 def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
     requested_node, pattern = arguments.node_name, arguments.filter or re.compile("")
-    for node_name in [find_node(source, requested_node)] if requested_node else parameter_nodes(source):
+    visible = [name for name in parameter_nodes(source) if not is_hidden(name)]
+    # ros2cli sorts by the name without its namespace.
+    in_order = sorted(visible, key=lambda name: name.rpartition("/")[::-2])
+    for node_name in [find_node(source, requested_node)] if requested_node else in_order:
         with parameter_client(source, node_name) as ask:
             names = ask("list_parameters", arguments.param_prefixes).result.names
             names = [name for name in sorted(names) if pattern.match(name)]

@@ -63,6 +63,11 @@ PROBES: dict[str, dict[str, Difference]] = {
         "message.of_a_generator": Difference(_NUMBERS, "The 'position' field must be a set or sequence"),
         "message.of_a_dict": Difference(_NUMBERS, "The 'position' field must be a set or sequence"),
     },
+    "unusual": {
+        "duration.message_of_big": Difference(_FIELD, "The 'sec' field must be an integer in"),
+        "time.message_beyond": Difference(_FIELD, "The 'sec' field must be an integer in"),
+        "qos.numpy_depth": Difference(_ASSERTIONS, "must be int: np.int64(3)"),
+    },
     "running": {
         "parameter_client.get_text": Difference(_FIELD, "The 'names' field must be a set or sequence"),
     },

@@ -82,7 +82,7 @@ def test_message_is_converted_to_a_dict_yaml_and_csv() -> None:
     assert isinstance(ordered["header"], OrderedDict)
     assert list(ordered) == ["header", "point"]
     assert (ordered["header"]["frame_id"], ordered["point"]["x"]) == ("a long...", 1.5)
-    assert message_to_yaml(stamped, flow_style=True).startswith("{header: {stamp: {sec: 0, nanosec: 0}")
+    assert message_to_yaml(stamped, flow_style=True).startswith("header:\n  stamp:\n    sec: 0\n")
     assert message_to_csv(stamped) == "0,0,a long frame,1.5,0.0,0.0"
     assert message_to_csv(stamped, no_str=True) == "0,0,<string length: <12>>,1.5,0.0,0.0"
 

@@ -3,7 +3,7 @@ from typing import Any
 
 import pytest
 from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Point, PoseWithCovariance
 from sensor_msgs.msg import JointState, LaserScan
 from std_msgs.msg import Float64MultiArray, Header, String
@@ -64,8 +64,18 @@ def test_bytes_are_printed_as_characters() -> None:
     )
 
 
-def test_flow_style_is_printed_on_one_line() -> None:
-    assert to_yaml(Time(sec=1), PrintOptions(flow=True)) == "{sec: 1, nanosec: 0}\n"
+def test_flow_style_prints_sequences_on_one_line_and_messages_in_lines_as_ros2cli() -> None:
+    assert to_yaml(Time(sec=1), PrintOptions(flow=True)) == "sec: 1\nnanosec: 0\n"
+    joints = JointState(name=["a", "true"], position=[1.0])
+    assert to_yaml(joints, PrintOptions(flow=True)).splitlines()[4:] == [
+        "  frame_id: ''",
+        "name: [a, 'true']",
+        "position: [1.0]",
+        "velocity: []",
+        "effort: []",
+    ]
+    diagnostics = DiagnosticArray(status=[DiagnosticStatus(name="a")])
+    assert 'status: [{level: "\\0", name: a, ' in to_yaml(diagnostics, PrintOptions(flow=True))
 
 
 def test_placeholders_replace_arrays_and_strings_on_request() -> None:

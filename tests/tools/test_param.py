@@ -66,6 +66,15 @@ def test_missing_nodes_and_parameters_are_reported(node: Node) -> None:
         ros2(["param", "list"], RecordingSource(Recording(())), print)
 
 
+def test_nodes_are_listed_by_name_without_namespace_and_hidden_ones_are_not(node: Node) -> None:
+    for name, namespace in (("base", "/robot"), ("_hidden", "/"), ("arm", "/z")):
+        running_nodes().append(Node(name, namespace=namespace))
+    lines = run_param("list").splitlines()
+    nodes = [line for line in lines if line.endswith(":")]
+    assert nodes == ["/z/arm:", "/robot/base:", "/talker:"]
+    assert "use_sim_time" in run_param("list", "/_hidden")
+
+
 def test_list_can_be_filtered_and_show_types(node: Node) -> None:
     node.declare_parameter("arm.speed", 1.5)
     assert run_param("list", "/talker", "--param-prefixes", "arm") == "  arm.speed\n"

@@ -73,6 +73,8 @@ def test_invalid_service_calls_are_reported(run: Run, adder: Node) -> None:
         CourseError, match=r"^The passed service type is invalid: .*/AddTwo\. Did you mean .*/AddTwoInts\?$"
     ):
         run("service call /add_two_ints example_interfaces/AddTwo")
+    with pytest.raises(CourseError, match=r"^The passed service type is invalid: AddTwoInts\. Did you mean"):
+        run("service call /add_two_ints AddTwoInts")
     with pytest.raises(
         CourseError, match=r"^/add_two_ints has the type .*AddTwoInts, not std_srvs/srv/Empty\.$"
     ):

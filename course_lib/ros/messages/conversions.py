@@ -84,7 +84,7 @@ class PrintOptions:
     truncate: int | None = 128
     no_arrays: bool = False
     no_strings: bool = False
-    # Whether YAML is written on one line instead of as a block.
+    # Whether YAML has each sequence on one line.
     flow: bool = False
 
 
@@ -92,8 +92,14 @@ def to_yaml(message: RosMessage, style: PrintOptions) -> str:
     """Convert a message to YAML, which ends with a newline."""
     import yaml
 
+    class BlockMappings(yaml.Dumper):
+        def represent_mapping(self, tag: str, mapping: Any, flow_style: bool | None = None) -> Any:
+            """Write a message in lines even with `flow`, which ROS applies to sequences only."""
+            return super().represent_mapping(tag, mapping, flow_style=False)
+
     text: str = yaml.dump(
         to_dict(message, style),
+        Dumper=BlockMappings,
         allow_unicode=True,
         width=sys.maxsize,
         default_flow_style=style.flow,

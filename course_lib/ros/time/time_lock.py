@@ -632,6 +632,9 @@ time_lock = TimeLock()
 
 
 real_signal, real_getsignal = signal.signal, signal.getsignal
+# By signal number: rclpy's handler, and the handler that it replaced and calls. In ROS the former
+# is written in C, so that Python shows the latter.
+hidden_handlers: dict[int, tuple[Any, Any]] = {}
 
 
 def set_handler(number: int, handler: Any) -> Any:
@@ -639,22 +642,23 @@ def set_handler(number: int, handler: Any) -> Any:
 
     The end of the run calls a program's handler of SIGINT, as Ctrl+C would.
     """
-    handlers = time_lock.handlers()
-    if handlers is None:
-        return real_signal(number, handler)
-    is_main = threading.current_thread() is threading.main_thread()
-    previous = real_signal(number, handler) if is_main else handlers.get(number, _default_handler(number))
-    handlers[number] = handler
+    handlers, previous = time_lock.handlers(), get_handler(number)
+    if handlers is None or threading.current_thread() is threading.main_thread():
+        real_signal(number, handler)
+    if handlers is not None:
+        handlers[number] = handler
     return previous
 
 
 def get_handler(number: int) -> Any:
-    """Return a handler as `signal.getsignal` does."""
+    """Return a handler as `signal.getsignal` does.
+
+    A program does not see the handlers of the kit.
+    """
     handlers = time_lock.handlers()
-    if handlers is None or threading.current_thread() is threading.main_thread():
-        return real_getsignal(number)
-    return handlers.get(number, _default_handler(number))
-
-
-def _default_handler(number: int) -> Any:
-    return signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL
+    if handlers is not None:
+        default = signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL
+        return handlers.get(number, default)
+    handler = real_getsignal(number)
+    hidden, replaced = hidden_handlers.get(number, (None, None))
+    return replaced if handler is hidden else handler

@@ -135,7 +135,6 @@ def test_client_without_a_server_ends_silently(tmp_path: Path, capfd: pytest.Cap
         "while rclpy.ok(): rclpy.spin_once(node, timeout_sec=0.7)",
         "while True: time.time()",
         "import threading; threading.Event().wait(60)",
-        "import asyncio; asyncio.run(asyncio.sleep(60))",
     ],
 )
 @pytest.mark.parametrize("beside", [(), (STUBBORN,)])
@@ -145,6 +144,15 @@ def test_blocked_call_in_the_main_thread_raises_keyboard_interrupt(
     run(tmp_path, IN_MAIN.format(wait=wait), *beside)
     expected = ["KeyboardInterrupt", "False", "RCLError", "left"]
     assert capfd.readouterr().out.split() == expected
+
+
+def test_asyncio_of_a_program_beside_another_is_interrupted(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    # Alone, the program is in the main thread, where asyncio replaces rclpy's handler of Ctrl+C.
+    wait = "import asyncio; asyncio.run(asyncio.sleep(60))"
+    run(tmp_path, IN_MAIN.format(wait=wait), STUBBORN)
+    assert capfd.readouterr().out.split() == ["KeyboardInterrupt", "False", "RCLError", "left"]
 
 
 @pytest.mark.parametrize(

@@ -133,11 +133,12 @@ class Context(AbstractContextManager["Context"]):
         """Return whether Ctrl+C would reach rclpy's handler, which shuts contexts down.
 
         It does not if `rclpy.init` installed no handler, or if the program has installed its own
-        instead.
+        since then. rclpy's handler calls one that the program has installed before.
         """
-        if self.__program_handlers is None or not self.graph.state(Contexts).handles_interrupts:
+        contexts = self.graph.state(Contexts)
+        if self.__program_handlers is None or not contexts.handles_interrupts:
             return False
-        return not callable(self.__program_handlers.get(signal.SIGINT))
+        return self.__program_handlers.get(signal.SIGINT) is contexts.replaced_handler
 
     def claim_type(self, topic: str, type_name: str, failed: str) -> None:
         """Register an endpoint's type on a topic.
@@ -182,8 +183,9 @@ class Contexts:
     # The context of `rclpy.init()` without a `context`.
     default: Context | None = None
     initialized: list[Context] = field(default_factory=list)
-    # Whether `rclpy.init` has installed a handler of Ctrl+C.
+    # Whether `rclpy.init` has installed a handler of Ctrl+C, and the program's handler before that.
     handles_interrupts: bool = False
+    replaced_handler: Any = None
 
 
 def get_default_context(*, shutting_down: bool = False) -> Context:

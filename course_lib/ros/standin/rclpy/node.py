@@ -610,7 +610,8 @@ class Node:
     ) -> GuardCondition:
         """Create a guard condition, whose callback runs after each `trigger()`."""
         group = self.default_callback_group if callback_group is None else callback_group
-        guard = GuardCondition(self.handle, callback, group)
+        guard = GuardCondition(callback, group, context=self.handle.context)
+        guard._course_join(self.handle)
         self.__created_entities.append(guard)
         return guard
 

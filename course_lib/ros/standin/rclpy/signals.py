@@ -7,10 +7,9 @@ import signal
 import threading
 from enum import IntFlag
 from types import FrameType
-from typing import Any
 
 from course_lib.ros.graph.graph import current_graph
-from course_lib.ros.time.time_lock import real_getsignal, real_signal, time_lock
+from course_lib.ros.time.time_lock import hidden_handlers, real_getsignal, real_signal, time_lock
 from rclpy.context import Contexts
 
 
@@ -23,34 +22,32 @@ class SignalHandlerOptions(IntFlag):
     ALL = 3
 
 
-# The handlers that were replaced, by signal number. A process has one set of handlers.
-_former: dict[int, Any] = {}
-
-
 def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
     """Install the handlers. Do nothing outside the main thread, where Python does not allow it."""
-    current_graph().state(Contexts).handles_interrupts = SignalHandlerOptions.SIGINT in options
+    contexts = current_graph().state(Contexts)
+    contexts.handles_interrupts = SignalHandlerOptions.SIGINT in options
+    contexts.replaced_handler = (time_lock.handlers() or {}).get(signal.SIGINT)
     if threading.current_thread() is not threading.main_thread():
         return
     for option in (SignalHandlerOptions.SIGINT, SignalHandlerOptions.SIGTERM):
         number = signal.Signals[option.name or ""]
         if option in options and real_getsignal(number) is not _handle:
-            _former[number] = real_signal(number, _handle)
+            hidden_handlers[number] = (_handle, real_signal(number, _handle))
 
 
 def uninstall_signal_handlers() -> None:
     """Restore the previous handlers, except where the program has replaced rclpy's handler."""
     current_graph().state(Contexts).handles_interrupts = False
     if threading.current_thread() is threading.main_thread():
-        for number, former in _former.items():
-            if real_getsignal(number) is _handle:
-                real_signal(number, former)
+        for number, (hidden, replaced) in hidden_handlers.items():
+            if real_getsignal(number) is hidden:
+                real_signal(number, replaced)
 
 
 def _handle(number: int, frame: FrameType | None) -> None:
     for context in current_graph().state(Contexts).initialized:
         context.invalidate()
     time_lock.record_signal()
-    former = _former.get(number)
-    if callable(former):
-        former(number, frame)
+    replaced = hidden_handlers[number][1]
+    if callable(replaced):
+        replaced(number, frame)

@@ -17,6 +17,7 @@ from course_lib.ros.mistakes import Mistake, marked
 from course_lib.ros.time.time_lock import time_lock
 from rclpy.callback_groups import CallbackGroup
 from rclpy.client import Client, wait_for_partner
+from rclpy.exceptions import RCLError
 from rclpy.impl.endpoint import require_type
 from rclpy.impl.graph_queries import NamesAndTypes, actions
 from rclpy.impl.names import require_action_name
@@ -120,7 +121,17 @@ class ActionClient:
         self._logger = node.get_logger().get_child("action_client")
         self._goal_handles: WeakValueDictionary[bytes, ClientGoalHandle] = WeakValueDictionary()
         self._feedback_callbacks: dict[bytes, OnFeedback] = {}
+        # The last status of each goal that the server has published.
+        self.__statuses: dict[bytes, int] = {}
         impl = action_type.Impl
+        # Created first, so that the status of a goal is known when its response arrives.
+        status = node.create_subscription(
+            GoalStatusArray,
+            f"{action_name}/_action/status",
+            self.__on_status,
+            status_sub_qos_profile,
+            callback_group=group,
+        )
         self.__sends = self.__create_client(
             "send_goal", "goal", impl.SendGoalService, goal_service_qos_profile, group
         )
@@ -130,14 +141,15 @@ class ActionClient:
         self._course_results = self.__create_client(
             "get_result", "result", impl.GetResultService, result_service_qos_profile, group
         )
-        self.__ends: list[Any] = [self.__sends, self._course_cancels, self._course_results]
-        topics: tuple[tuple[str, Any, Callable[[Any], object], QoSProfile | int], ...] = (
-            ("feedback", impl.FeedbackMessage, self.__on_feedback, feedback_sub_qos_profile),
-            ("status", GoalStatusArray, self.__on_status, status_sub_qos_profile),
+        feedback = node.create_subscription(
+            impl.FeedbackMessage,
+            f"{action_name}/_action/feedback",
+            self.__on_feedback,
+            feedback_sub_qos_profile,
+            callback_group=group,
         )
-        for name, kind, hear, qos in topics:
-            topic = f"{action_name}/_action/{name}"
-            self.__ends.append(node.create_subscription(kind, topic, hear, qos, callback_group=group))
+        clients = (self.__sends, self._course_cancels, self._course_results)
+        self.__ends: list[Any] = [*clients, feedback, status]
         for end in self.__ends:
             node._course_hide(end)
 
@@ -197,6 +209,9 @@ class ActionClient:
         return self._course_is_ready()
 
     def _course_is_ready(self) -> bool:
+        if self.__is_destroyed:
+            failed = "Failed to check if action server is available"
+            raise RCLError(f"{failed}: rcl node pointer is invalid")
         return all(end._course_partner_count() for end in self.__ends)
 
     def wait_for_server(self, timeout_sec: float | None = None) -> bool:
@@ -221,6 +236,8 @@ class ActionClient:
     ) -> Any:
         if not isinstance(goal, self._action_type.Goal):
             raise marked(TypeError(), Mistake.GOAL)
+        if self.__is_destroyed:
+            raise RCLError("Failed to send goal request: action client pointer is invalid")
         if goal_uuid is not None:
             bytes(goal_uuid.uuid)
         goal_id = goal_uuid or UUID(uuid=list(uuid.uuid4().bytes))
@@ -238,6 +255,7 @@ class ActionClient:
             if key in self._goal_handles:
                 raise RuntimeError(f"Two goals were accepted with the same ID ({handle})")
             self._goal_handles[key] = handle
+            handle.status = self.__statuses.get(key, handle.status)
         return handle
 
     async def __on_feedback(self, message: Any) -> None:
@@ -246,10 +264,12 @@ class ActionClient:
             await await_or_execute(callback, message)
 
     def __on_status(self, message: GoalStatusArray) -> None:
-        for status in message.status_list:
-            handle = self._goal_handles.get(bytes(status.goal_info.goal_id.uuid))
+        goals = message.status_list
+        self.__statuses = {bytes(goal.goal_info.goal_id.uuid): goal.status for goal in goals}
+        for key, status in self.__statuses.items():
+            handle = self._goal_handles.get(key)
             if handle is not None:
-                handle.status = status.status
+                handle.status = status
 
     def __warn(self, word: str) -> None:
         self._logger.warning(

@@ -11,7 +11,7 @@ from rcl_interfaces.msg import SetParametersResult
 from course_lib.ros.graph.graph import ProgramNodes
 from course_lib.ros.mistakes import Mistake
 from rclpy.callback_groups import CallbackGroup
-from rclpy.context import Context
+from rclpy.context import Context, get_default_context
 from rclpy.exceptions import INVALID_CONTEXT, InvalidHandle, RCLError
 from rclpy.impl import names
 from rclpy.impl.arguments import Arguments
@@ -287,22 +287,33 @@ class Entity:
 
 
 class GuardCondition(Entity):
-    """A callback that runs after `trigger`, created by `Node.create_guard_condition`."""
+    """A callback that runs after `trigger`, created by `Node.create_guard_condition`.
+
+    As in rclpy, no executor runs the callback of a condition without a node.
+    """
 
     def __init__(
-        self, node: NodeHandle, callback: Callable[[], object], callback_group: CallbackGroup
+        self,
+        callback: Callable[[], object] | None,
+        callback_group: CallbackGroup | None,
+        context: Context | None = None,
     ) -> None:
-        if not node.context.is_valid:
+        if not (context or get_default_context()).is_valid:
             raise RCLError(f"failed to create guard_condition: {INVALID_CONTEXT}")
-        super().__init__(node, callback_group)
         self.callback = callback
-        self.__triggered = self.__destroyed = False
+        self.callback_group = callback_group  # type: ignore[assignment]  # None without a node
+        self.__has_node = self.__triggered = self.__destroyed = False
+
+    def _course_join(self, node: NodeHandle) -> None:
+        """Let the executor of a node run the callback."""
+        super().__init__(node, self.callback_group)
+        self.__has_node = True
 
     def trigger(self) -> None:
         """Request a call of the callback. May be called from any thread."""
         if self.__destroyed:
             raise InvalidHandle
-        if not self.__triggered:
+        if self.__has_node and not self.__triggered:
             self.__triggered = True
             self._course_node.mark_ready(self)
 
