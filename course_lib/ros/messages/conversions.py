@@ -92,7 +92,7 @@ def to_yaml(message: RosMessage, style: PrintOptions) -> str:
     """Convert a message to YAML, which ends with a newline."""
     import yaml
 
-    class BlockMappings(yaml.Dumper):
+    class BlockMappings(yaml.Dumper):  # type: ignore[misc]  # yaml has no types
         def represent_mapping(self, tag: str, mapping: Any, flow_style: bool | None = None) -> Any:
             """Write a message in lines even with `flow`, which ROS applies to sequences only."""
             return super().represent_mapping(tag, mapping, flow_style=False)
