@@ -159,7 +159,7 @@ def words(*options: str) -> LimitedConversion:
 
 
 def color(value: Any) -> Color:
-    """Convert ``R; G; B`` in 0..255 as in RViz, three numbers, ``#rrggbb`` or a name to a color."""
+    """Convert a value to a color: ``R; G; B`` in 0..255 as in RViz, numbers, ``#rrggbb``, a name."""
     from PIL import ImageColor
 
     try:
