@@ -113,10 +113,16 @@ TWO_LINK = Task(
                 Call(0.5, 0.4, -math.pi / 2, math.pi / 2),
             ),
             checks=(
-                expect_value([2.0, 1.0], call=0, unit="m", name="the tip, elbow bent by 90°"),
-                expect_value([-1.0, 2.0], call=1, unit="m", name="the tip, both bent by 90°"),
-                expect_value([0.6, 0.35], call=2, unit="m", name="the tip of a small arm, elbow bent by 90°"),
-                expect_value([0.4, -0.5], call=3, unit="m", name="the tip below the x axis"),
+                expect_value([2.0, 1.0], call=0, unit="m", name="the tip, elbow bent by 90°", axes="x y"),
+                expect_value([-1.0, 2.0], call=1, unit="m", name="the tip, both bent by 90°", axes="x y"),
+                expect_value(
+                    [0.6, 0.35],
+                    call=2,
+                    unit="m",
+                    name="the tip of a small arm, elbow bent by 90°",
+                    axes="x y",
+                ),
+                expect_value([0.4, -0.5], call=3, unit="m", name="the tip below the x axis", axes="x y"),
             ),
         ),
     ),
@@ -143,17 +149,32 @@ TOOL_PLACE = Task(
                 Call([["x", [1.0, 0.0, 0.0]]], [math.pi / 2], [0.5, 0.0, 0.2]),
             ),
             checks=(
-                expect_value([FORWARD, SIDE, UP], call=0, unit="m", name="the wrist, arm straight ahead"),
-                expect_value([-SIDE, FORWARD, UP], call=1, unit="m", name="the wrist, turned to the left"),
-                expect_value([0.0, SIDE, UP + FORWARD], call=2, unit="m", name="the wrist, arm straight up"),
+                expect_value(
+                    [FORWARD, SIDE, UP], call=0, unit="m", name="the wrist, arm straight ahead", axes="x y z"
+                ),
+                expect_value(
+                    [-SIDE, FORWARD, UP], call=1, unit="m", name="the wrist, turned to the left", axes="x y z"
+                ),
+                expect_value(
+                    [0.0, SIDE, UP + FORWARD],
+                    call=2,
+                    unit="m",
+                    name="the wrist, arm straight up",
+                    axes="x y z",
+                ),
                 expect_value(
                     [0.612, SIDE, UP + 0.5723],
                     call=3,
                     unit="m",
                     name="the wrist, elbow bent (first the shift, then the turn),",
+                    axes="x y z",
                 ).titled("the wrist, elbow bent: first the shift, then the turn"),
                 expect_value(
-                    [1.5, -0.2, 0.0], call=4, unit="m", name="the tip of one joint that turns about x"
+                    [1.5, -0.2, 0.0],
+                    call=4,
+                    unit="m",
+                    name="the tip of one joint that turns about x",
+                    axes="x y z",
                 ),
             ),
         ),

@@ -119,9 +119,9 @@ CONFIDENCE_COLOR = Task(
             "public",
             calls=(Call(1.0), Call(0.75), Call(0.0)),
             checks=(
-                expect_value(color_of(1.0), call=0, name="the color of 1.0"),
-                expect_value(color_of(0.75), call=1, name="the color of 0.75"),
-                expect_value(color_of(0.0), call=2, name="the color of 0.0"),
+                expect_value(color_of(1.0), call=0, name="the color of 1.0", axes="red green blue alpha"),
+                expect_value(color_of(0.75), call=1, name="the color of 0.75", axes="red green blue alpha"),
+                expect_value(color_of(0.0), call=2, name="the color of 0.0", axes="red green blue alpha"),
             ),
         ),
     ),

@@ -68,10 +68,18 @@ POINT_TO_WORLD = Task(
                 Call([1.0, 0.5, -0.2], -1.0, 3.0, math.atan2(0.6, 0.8)),
             ),
             checks=(
-                expect_value([3.0, 0.0, 0.5], call=0, unit="m", name="the point, robot not turned"),
-                expect_value([2.0, 1.3, 0.5], call=1, unit="m", name="the point, robot turned by 90°"),
                 expect_value(
-                    [-0.5, 4.0, -0.2], call=2, unit="m", name="a point on the left, robot elsewhere"
+                    [3.0, 0.0, 0.5], call=0, unit="m", name="the point, robot not turned", axes="x y z"
+                ),
+                expect_value(
+                    [2.0, 1.3, 0.5], call=1, unit="m", name="the point, robot turned by 90°", axes="x y z"
+                ),
+                expect_value(
+                    [-0.5, 4.0, -0.2],
+                    call=2,
+                    unit="m",
+                    name="a point on the left, robot elsewhere",
+                    axes="x y z",
                 ),
             ),
         ),
@@ -257,24 +265,33 @@ IN_BETWEEN = Task(
                 Call([0.0, 0.0, 0.0], [0.0, 0.0, 2.0], 0.25),
             ),
             checks=(
-                expect_value([1.5, 2.5, 0.2], call=0, name="the pose after a quarter of the way", angles=YAW),
+                expect_value(
+                    [1.5, 2.5, 0.2],
+                    call=0,
+                    name="the pose after a quarter of the way",
+                    angles=YAW,
+                    axes="x y yaw",
+                ),
                 expect_value(
                     [0.0, 1.0, 3.0 + 0.25 * (2 * math.pi - 6.0)],
                     call=1,
                     name="the pose a quarter of the shorter way round, from 3 rad to -3 rad,",
                     angles=YAW,
+                    axes="x y yaw",
                 ).titled("the shorter way round"),
                 expect_value(
                     [0.0, 0.0, -3.0 - 0.25 * (2 * math.pi - 6.0)],
                     call=2,
                     name="the pose a quarter of the shorter way round, from -3 rad to 3 rad,",
                     angles=YAW,
+                    axes="x y yaw",
                 ).titled("the shorter way round, clockwise"),
                 expect_value(
                     [0.0, 0.0, 0.5],
                     call=3,
                     name="the pose a quarter of the way, from 0 to 2 rad,",
                     angles=YAW,
+                    axes="x y yaw",
                 ).titled("more than a quarter turn"),
             ),
         ),

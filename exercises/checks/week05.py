@@ -185,9 +185,13 @@ MENDED_LAYOUT = Task(
     ),
 )
 
-BAR = ("size", "centre", "color")
+BAR, BAR_AXES = ("size", "centre", "color"), "x y z, red green blue alpha"
 HALF_FULL = expect_value(
-    [[0.2, 0.2, 0.5], [0.0, 0.0, 0.25], GREEN], call=0, name="a half full bar", parts=BAR
+    [[0.2, 0.2, 0.5], [0.0, 0.0, 0.25], GREEN],
+    call=0,
+    name="a half full bar",
+    parts=BAR,
+    axes=BAR_AXES,
 )
 
 BATTERY_BAR = Task(
@@ -207,22 +211,32 @@ BATTERY_BAR = Task(
             checks=lightly(
                 HALF_FULL,
                 expect_value(
-                    [[0.2, 0.2, 0.2], [0.0, 0.0, 0.1], RED], call=1, name="a nearly empty bar", parts=BAR
+                    [[0.2, 0.2, 0.2], [0.0, 0.0, 0.1], RED],
+                    call=1,
+                    name="a nearly empty bar",
+                    parts=BAR,
+                    axes=BAR_AXES,
                 ),
                 expect_value(
-                    [[0.2, 0.2, 0.2], [0.0, 0.0, 0.1], GREEN], call=2, name="a bar at exactly 0.2", parts=BAR
+                    [[0.2, 0.2, 0.2], [0.0, 0.0, 0.1], GREEN],
+                    call=2,
+                    name="a bar at exactly 0.2",
+                    parts=BAR,
+                    axes=BAR_AXES,
                 ),
                 expect_value(
                     [[0.2, 0.2, 0.5], [0.0, 0.0, 0.25], GREEN],
                     call=3,
                     name="a bar at a charge above 1",
                     parts=BAR,
+                    axes=BAR_AXES,
                 ),
                 expect_value(
                     [[0.2, 0.2, 0.0], [0.0, 0.0, 0.0], RED],
                     call=4,
                     name="a bar at a charge below 0",
                     parts=BAR,
+                    axes=BAR_AXES,
                 ).requiring(HALF_FULL),
             ),
         ),

@@ -225,7 +225,9 @@ PAINT_NODE = Task(
 
 # The lift may differ by a full turn, because the task leaves its range open.
 LIFT = (0,)
-ABOVE = expect_value([-1.2, 0.5], call=0, unit="rad", angles=LIFT, name="(lift, elbow) for a place above")
+ABOVE = expect_value(
+    [-1.2, 0.5], call=0, unit="rad", angles=LIFT, name="(lift, elbow) for a place above", axes="lift elbow"
+)
 
 LIFT_AND_ELBOW = Task(
     "week08.lift_and_elbow",
@@ -255,9 +257,15 @@ LIFT_AND_ELBOW = Task(
                     unit="rad",
                     angles=LIFT,
                     name="(lift, elbow) for a place below",
+                    axes="lift elbow",
                 ),
                 expect_value(
-                    [-1.9, 0.4], call=4, unit="rad", angles=LIFT, name="(lift, elbow) for a place behind"
+                    [-1.9, 0.4],
+                    call=4,
+                    unit="rad",
+                    angles=LIFT,
+                    name="(lift, elbow) for a place behind",
+                    axes="lift elbow",
                 ),
                 expect_value([], call=2, name="the answer for a place out of reach").requiring(ABOVE),
                 expect_value([], call=3, name="the answer for a place too near").requiring(ABOVE),

@@ -78,7 +78,9 @@ HIDDEN = {
     ),
     "week01.heading_arrow": longer(
         expect_marker(TOPIC, type="ARROW", yaw=my("heading", times=math.pi / 180)),
-        expect_marker(TOPIC, type="ARROW", position=(0.0, 0.0, 0.5), scale=(1.5, 0.15, 0.15)).worth(0.25),
+        expect_marker(
+            TOPIC, type="ARROW", position=(0.0, 0.0, 0.5), scale=(1.5, 0.15, 0.15), points=()
+        ).worth(0.25),
         hz=1.0,
         seconds=10.0,  # [s]
         seed=23,

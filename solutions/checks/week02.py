@@ -89,9 +89,9 @@ HIDDEN = {
                 Call(0.5, 0.4, -math.pi / 2, math.pi / 2),
             ),
             checks=(
-                expect_value([math.sqrt(3) / 2 + 0.25, 0.5 - math.sqrt(3) / 4], call=0, unit="m"),
-                expect_value([-0.05, 0.05 * math.sqrt(3)], call=1, unit="m"),
-                expect_value([0.4, -0.5], call=2, unit="m"),
+                expect_value([math.sqrt(3) / 2 + 0.25, 0.5 - math.sqrt(3) / 4], call=0, unit="m", axes="x y"),
+                expect_value([-0.05, 0.05 * math.sqrt(3)], call=1, unit="m", axes="x y"),
+                expect_value([0.4, -0.5], call=2, unit="m", axes="x y"),
             ),
         ),
     ),
@@ -107,8 +107,10 @@ HIDDEN = {
                 ),
             ),
             checks=(
-                expect_value(wrist(), call=0, unit="m").worth(2),
-                expect_value([1.0, -0.1, 1.7], call=1, unit="m"),  # y becomes z, then x becomes -y
+                expect_value(wrist(), call=0, unit="m", axes="x y z").worth(2),
+                expect_value(
+                    [1.0, -0.1, 1.7], call=1, unit="m", axes="x y z"
+                ),  # y becomes z, then x becomes -y
             ),
         ),
     ),

@@ -82,9 +82,9 @@ HIDDEN = {
             "other confidences",
             calls=(Call(0.0), Call(0.5), Call(0.31)),
             checks=(
-                expect_value((1.0, 0.0, 0.0, 0.5), call=0),
-                expect_value((0.5, 0.5, 0.0, 0.5), call=1),
-                expect_value((0.69, 0.31, 0.0, 0.5), call=2),
+                expect_value((1.0, 0.0, 0.0, 0.5), call=0, axes="red green blue alpha"),
+                expect_value((0.5, 0.5, 0.0, 0.5), call=1, axes="red green blue alpha"),
+                expect_value((0.69, 0.31, 0.0, 0.5), call=2, axes="red green blue alpha"),
             ),
         ),
     ),

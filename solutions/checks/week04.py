@@ -75,8 +75,8 @@ HIDDEN = {
                 Call([1.0, 1.0, 0.0], 0.5, 0.25, math.pi),
             ),
             checks=(
-                expect_value([1.0, 2.0, -0.2], call=0, unit="m"),
-                expect_value([-0.5, -0.75, 0.0], call=1, unit="m"),
+                expect_value([1.0, 2.0, -0.2], call=0, unit="m", axes="x y z"),
+                expect_value([-0.5, -0.75, 0.0], call=1, unit="m", axes="x y z"),
             ),
         ),
     ),
@@ -150,7 +150,7 @@ HIDDEN = {
                 Call([0.0, 0.0, math.pi - 0.1], [0.0, 0.0, -math.pi + 0.1], 0.5),
             ),
             checks=(
-                expect_value([1.5, -0.5, 0.0], call=0, angles=(2,)),
+                expect_value([1.5, -0.5, 0.0], call=0, angles=(2,), axes="x y yaw"),
                 Check("half way round the back", turns_half_round),
             ),
         ),

@@ -1,6 +1,7 @@
 """Week 5, configurations: hidden scenarios and checks."""
 
 from collections.abc import Iterator
+from typing import Any
 
 from course_lib.grading import (
     Call,
@@ -79,7 +80,8 @@ CLOUD_SHOWN = expect_display("PointCloud2", "/b/points", properties=SENSOR)
 SCAN_SHOWN = expect_display("LaserScan", "/scan_back", properties=SENSOR, call=1)
 GOAL_NAMED = expect_display("Pose", "/goal", properties={"Name": "/goal"})
 MENDED_FRAME = expect_layout(fixed_frame="world")
-NEARLY_EMPTY = expect_value([[0.2, 0.2, 0.57], [0.0, 0.0, 0.285], RED], call=1)
+BAR: dict[str, Any] = {"parts": ("size", "centre", "color"), "axes": "x y z, red green blue alpha"}
+NEARLY_EMPTY = expect_value([[0.2, 0.2, 0.57], [0.0, 0.0, 0.285], RED], call=1, **BAR)
 
 PLACE = {"--x": 0.2, "--z": my("height"), "--frame-id": "base_link", "--child-frame-id": "camera_link"}
 
@@ -156,10 +158,10 @@ HIDDEN = {
             "other charges",
             calls=(Call(0.2, 2.5), Call(0.19, 3.0), Call(1.4, 2.0), Call(-0.3, 2.0)),
             checks=(
-                expect_value([[0.2, 0.2, 0.5], [0.0, 0.0, 0.25], GREEN], call=0),
+                expect_value([[0.2, 0.2, 0.5], [0.0, 0.0, 0.25], GREEN], call=0, **BAR),
                 NEARLY_EMPTY,
-                expect_value([[0.2, 0.2, 2.0], [0.0, 0.0, 1.0], GREEN], call=2),
-                expect_value([[0.2, 0.2, 0.0], [0.0, 0.0, 0.0], RED], call=3).requiring(NEARLY_EMPTY),
+                expect_value([[0.2, 0.2, 2.0], [0.0, 0.0, 1.0], GREEN], call=2, **BAR),
+                expect_value([[0.2, 0.2, 0.0], [0.0, 0.0, 0.0], RED], call=3, **BAR).requiring(NEARLY_EMPTY),
             ),
         ),
     ),

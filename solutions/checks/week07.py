@@ -57,7 +57,7 @@ ASIDE, FAR = (
 )
 NEAR = inputs.corners((0.0, 0.0, 1.05), (0.6, 0.4, 2.0))  # its front is 0.05 m ahead
 JUST = [[0.0, 0.0, 0.1], [0.1, 0.1, 1.0]]
-ASIDE_BOX = expect_value(rectangle(ASIDE), call=0, tolerance=0.01)
+ASIDE_BOX = expect_value(rectangle(ASIDE), call=0, tolerance=0.01, axes="left top right bottom")
 
 ALWAYS = expect_throughout(MARKERS, hz=10.0)
 KEPT_UP = expect_throughout(TRAJECTORY, hz=10.0, begin=1.1)
@@ -91,7 +91,7 @@ ALL_NODES = ("/tf_publisher", "/path_planner", "/perception_node", "/trajectory_
 WITH_TF = expect_display("TF", properties={"Show Names": True})
 A, B = [2.0, -1.0, -0.4], [-1.0, 3.0, 1.6]
 CUT = [1.25, 0.0, 0.1]  # a quarter of the way
-FIRST_PART = expect_value([CUT, B], call=0)
+FIRST_PART = expect_value([CUT, B], call=0, axes="x y z")
 
 
 HIDDEN = {
@@ -101,9 +101,9 @@ HIDDEN = {
             calls=(Call(K, ASIDE), Call(K, FAR), Call(K, NEAR), Call(K, JUST)),
             checks=(
                 ASIDE_BOX,
-                expect_value(rectangle(FAR), call=1, tolerance=0.01),
+                expect_value(rectangle(FAR), call=1, tolerance=0.01, axes="left top right bottom"),
                 expect_value([], call=2).requiring(ASIDE_BOX),
-                expect_value(rectangle(JUST), call=3, tolerance=0.01),
+                expect_value(rectangle(JUST), call=3, tolerance=0.01, axes="left top right bottom"),
             ),
         ),
     ),
@@ -214,8 +214,8 @@ HIDDEN = {
             ),
             checks=(
                 FIRST_PART,
-                expect_value([B, CUT], call=1),
-                expect_value([[1.0, 1.0, 0.1], [2.0, 2.0, 3.0]], call=2),
+                expect_value([B, CUT], call=1, axes="x y z"),
+                expect_value([[1.0, 1.0, 0.1], [2.0, 2.0, 3.0]], call=2, axes="x y z"),
                 expect_value([], call=3).requiring(FIRST_PART),
             ),
         ),

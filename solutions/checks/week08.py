@@ -92,7 +92,7 @@ STRIPES = [expect_marker(PAINT, frame="map", points=stripe).requiring(POINTWISE)
 SWEEP = expect_marker(PAINT, frame="map", points=painted(ONE_SWEEP)[0]).requiring(ONE_BY_ONE)
 WHILE_TURNING = expect_marker(PAINT, frame="map", points=painted(TURNING, TURN)[0]).requiring(ONE_BY_ONE)
 LIFT_ANGLE = (0,)  # index of the angle that may differ by a full turn
-NEAR_PLACE = expect_value([-0.4, 1.1], call=0, unit="rad", angles=LIFT_ANGLE)
+NEAR_PLACE = expect_value([-0.4, 1.1], call=0, unit="rad", angles=LIFT_ANGLE, axes="lift elbow")
 WITH_PARTS_BESIDE = expect_value((0.1 * 1.0 + 0.2 * 2.0) / 4.0, call=0, tolerance=0.01)
 
 HIDDEN = {
@@ -163,10 +163,10 @@ HIDDEN = {
             ),
             checks=(
                 NEAR_PLACE,
-                expect_value([0.2, 0.3], call=1, unit="rad", angles=LIFT_ANGLE),
+                expect_value([0.2, 0.3], call=1, unit="rad", angles=LIFT_ANGLE, axes="lift elbow"),
                 expect_value([], call=2).requiring(NEAR_PLACE),
                 expect_value([], call=3).requiring(NEAR_PLACE),
-                expect_value([-2.0, 0.7], call=4, unit="rad", angles=LIFT_ANGLE),
+                expect_value([-2.0, 0.7], call=4, unit="rad", angles=LIFT_ANGLE, axes="lift elbow"),
             ),
         ),
     ),

@@ -21,6 +21,11 @@ PICTURES = os.environ.get("COURSE_PICTURES")  # a folder: pictures for the READM
 DRAWN = 150  # [px] that are clearly coloured, in the best view
 COLOURED = "Math.max(r, g, b) - Math.min(r, g, b) > 60"
 LIT = "Math.max(r, g, b) > 108"  # brighter than the background
+# Cells of code that are wider than their place, and so have hidden columns.
+HIDDEN_CODE = """() => courseNotebook().content.widgets.filter(({ model, node }) => {
+    const scroller = node.querySelector(".jp-InputArea-editor .cm-scroller");
+    return model.type == "code" && scroller && scroller.scrollWidth > scroller.clientWidth;
+}).map(({ model }) => model.id)"""
 # Pictures of a view, which span more robot time than the slowest node is silent.
 LOOKS = 5
 
@@ -81,6 +86,11 @@ def test_views_of_each_lesson_are_drawn(lesson: Lesson) -> None:
 
 def test_cells_of_each_lesson_run_without_errors_one_by_one(lesson: Lesson) -> None:
     assert lesson.notebook.errors() == []  # nbmake runs all cells without pauses
+
+
+def test_code_of_each_lesson_is_not_hidden_by_the_view_beside_it(lesson: Lesson) -> None:
+    assert lesson.notebook.page.locator(".jupyterlab-sidecar canvas:visible").count()
+    assert lesson.notebook.ask(HIDDEN_CODE) == []
 
 
 def test_each_lesson_resumes_at_its_last_stopping_point_after_a_kernel_restart(lesson: Lesson) -> None:

@@ -300,6 +300,27 @@ def test_reversed_arrow_is_reported(evidence: MakeEvidence, cube: MakeCube) -> N
     assert verdict.message == "the arrow points the other way: from the second point to the first"
 
 
+def test_end_of_an_arrow_is_reported_and_not_its_nearest_point(
+    evidence: MakeEvidence, cube: MakeCube
+) -> None:
+    recorded = evidence((1, TOPIC, cube(type=Marker.ARROW, points=[Point(x=3.0), Point(x=1.0)])))
+    verdict = expect_marker(TOPIC, points=((3, 0, 0), (4, 0, 0))).judge(recorded)
+    assert verdict.message == "the arrow ends at (1.00, 0.00, 0.00) m, expected (4.00, 0.00, 0.00) m"
+
+
+def test_arrow_with_points_is_reported_where_the_pose_turns_it(
+    evidence: MakeEvidence, cube: MakeCube
+) -> None:
+    between = cube(type=Marker.ARROW, points=[Point(), Point(x=0.3)])
+    verdict = expect_marker(TOPIC, scale=(1.0, 1.0, 1.0), points=()).judge(evidence((1, TOPIC, between)))
+    assert verdict.message == (
+        "the arrow has 2 points, expected none: with points scale.x is the diameter of its shaft, "
+        "not its length"
+    )
+    posed = evidence((1, TOPIC, cube(type=Marker.ARROW)))
+    assert expect_marker(TOPIC, scale=(1.0, 1.0, 1.0), points=()).judge(posed).score == 1
+
+
 def test_unspecified_scale_component_is_not_compared(evidence: MakeEvidence, cube: MakeCube) -> None:
     recorded = evidence((1, TOPIC, cube(scale__y=7.0)))
     assert expect_marker(TOPIC, scale=(1.0, None, 1.0)).judge(recorded).score == 1

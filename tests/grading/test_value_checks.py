@@ -31,6 +31,29 @@ def test_equal_values_pass_in_every_supported_type(evidence: MakeEvidence, value
     assert expect_value(expected).judge(evidence(returns=(plain(value),))).score == 1
 
 
+@pytest.mark.parametrize(
+    ("expected", "value", "names"),
+    [
+        ([1.0, 2.0, 3.0], [1.0, 2.0, 4.0], ["z of the tip"]),
+        ([[1.0, 2.0, 3.0]], [[5.0, 2.0, 4.0]], ["x of [0] of the tip", "z of [0] of the tip"]),
+        ([0.0, 1.0, 0.0, 1.0], [0.5, 1.0, 0.0, 1.0], ["red of the tip"]),
+        ([1.0, 2.0], [1.0, 4.0], ["[1] of the tip"]),
+    ],
+)
+def test_numbers_of_a_point_are_called_by_their_axes(
+    evidence: MakeEvidence, expected: Any, value: Any, names: list[str]
+) -> None:
+    check = expect_value(expected, name="the tip", axes="x y z, red green blue alpha")
+    message = check.judge(evidence(returns=(value,))).message
+    assert [part.split(" is ")[0] for part in message.split("; ")] == names
+
+
+def test_exchanged_axes_are_named(evidence: MakeEvidence) -> None:
+    check = expect_value([0.0, 0.0, 0.25], name="the centre", axes="x y z")
+    message = check.judge(evidence(returns=([0.25, 0.0, 0.0],))).message
+    assert message == "the centre is [0.25, 0.0, 0.0], expected [0.0, 0.0, 0.25]: x and z are exchanged"
+
+
 ROWS = [["/scan", 10.0, 400.0], ["/imu", 5.0, 8.0]]
 TABLE = expect_value(ROWS, name="the table", parts=("topic", "rate", "size"))
 
@@ -132,6 +155,7 @@ def test_named_components_of_a_value_are_reported_by_name(
         (50.0, 0.05, "1000 times too much", "a value is in another unit"),
         (-0.002, -0.2, "100 times too little", "a value is in another unit"),
         (5e8, 0.5, "1000000000 times too much", "a value is in another unit"),
+        (63.75, 0.25, "255 times too much", "a value is in another unit"),
         (1.0, 0.0, "1.00 too much", "a value is wrong"),
         (3.0, 0.5, "2.50 too much", "a value is wrong"),
         (141.0, 141.03, "0.0300 too little", "a value is rounded"),

@@ -17,6 +17,9 @@ from course_lib.grading.store import this_course
 
 COVERAGE = tomllib.loads(Path(__file__).with_name("coverage.toml").read_text(encoding="utf-8"))["part"]
 PAGES = sorted([*lessons_dir().glob("*.ipynb"), *exercises_dir().glob("*.ipynb")])
+# A window of 1280 px shows 84 columns beside a view, and two less with a scroll bar.
+WIDEST, WEEKS_BESIDE_A_VIEW = 80, ("week01_first", "week03_detections", "week05_configurations")
+BESIDE_A_VIEW = [path for path in PAGES if path.name.startswith(WEEKS_BESIDE_A_VIEW)]
 SOLUTIONS = sorted(solutions_dir().glob("week*_solution.ipynb"))
 
 
@@ -31,6 +34,12 @@ def test_sentence_is_not_repeated_within_a_cell(path: Path) -> None:
         if cell["cell_type"] == "markdown":
             sentences = [one.strip() for one in re.split(r"(?<=[.!?])\s+", source(cell)) if len(one) > 12]
             assert [one for one, count in Counter(sentences).items() if count > 1] == []
+
+
+@pytest.mark.parametrize("path", BESIDE_A_VIEW, ids=lambda path: path.stem)
+def test_code_fits_beside_a_view_on_a_laptop(path: Path) -> None:
+    code = (source(cell) for cell in read_notebook(path)["cells"] if cell["cell_type"] == "code")
+    assert [line for cell in code for line in cell.splitlines() if len(line) > WIDEST] == []
 
 
 @pytest.mark.parametrize("part", COVERAGE, ids=lambda part: part["topic"])

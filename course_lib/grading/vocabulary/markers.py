@@ -695,6 +695,7 @@ def _compare_yaw(marker: Any, expected: float, _: float) -> Iterator[str]:
         causes = {
             "is it in degrees instead of radians?": math.degrees(expected),
             "a quaternion holds half of the angle": 2 * expected,
+            "is the angle halved twice?": expected / 2,
             "counter-clockwise is positive": -expected,
             "are z and w swapped?": math.pi - expected,
         }
@@ -761,9 +762,20 @@ def _compare_lifetime(marker: Any, expected: float, _: float) -> Iterator[str]:
 
 def _compare_points(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
     points = [(p.x, p.y, p.z) for p in marker.points]
-    reversed_arrow = type_of(marker) == "ARROW" and not _are_points_equal(points, expected, tolerance)
+    is_arrow = type_of(marker) == "ARROW"
     if len(points) != len(expected):
-        yield f" has {format_count(len(points), 'point')}, expected {len(expected) or 'none'}"
+        text = f" has {format_count(len(points), 'point')}, expected {len(expected) or 'none'}"
+        if is_arrow and not expected:
+            text += ": with points scale.x is the diameter of its shaft, not its length"
+        yield text
+    elif _are_points_equal(points, expected, tolerance):
+        return
+    elif is_arrow and _are_points_equal(points[::-1], expected, tolerance):
+        yield " points the other way: from the second point to the first"
+    elif is_arrow:
+        for verb, point, target in zip(("begins", "ends"), points, expected, strict=True):
+            if not is_close(math.dist(point, target), 0.0, tolerance):
+                yield f" {verb} at {format_numbers(point)} m, expected {format_numbers(target)} m"
     elif unmatched := _find_unmatched(expected, points, tolerance):
         nearest = min(points, key=lambda point: _distance(point, unmatched[0]))
         yield (
@@ -772,8 +784,6 @@ def _compare_points(marker: Any, expected: Points, tolerance: float) -> Iterator
         )
     elif strange := _find_unmatched(points, expected, tolerance):
         yield f" has a point at {format_numbers(strange[0])} m, which is not expected"
-    elif reversed_arrow:
-        yield " points the other way: from the second point to the first"
 
 
 def _compare_loop(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:

@@ -21,8 +21,8 @@ from course_lib.ros.programs.parameter_yaml import read_text
 WRONG, WRONG_KIND = "a value is wrong", "a value is of the wrong kind"
 WRONG_ORDER, NOT_CALLED = "values are in the wrong order", "a value is a function that is not called"
 OTHER_UNIT = "a value is in another unit"
-# Between m and mm, s and ms; m and cm, a fraction and percent; s and ns.
-_UNIT_FACTORS = (1000, 100, 10**9)
+# Between m and mm, s and ms; m and cm, a fraction and percent; s and ns; colors up to 1 and to 255.
+_UNIT_FACTORS = (1000, 100, 10**9, 255)
 _INDEX = re.compile(r"(\[.*?\]) of (.*)", re.DOTALL)  # name of an item: its index, and the list's name
 LONGEST = 10_000  # characters of a parameters file
 EVERY_NODE = "/**"
@@ -39,6 +39,7 @@ def expect_value(
     unit: str = "",
     name: str = "the value",
     parts: Sequence[str] = (),
+    axes: str = "",
     angles: Collection[int] = (),
 ) -> Iterable[Problem]:
     """Expect the value `expected`, submitted or returned by the call with the index `call`.
@@ -47,6 +48,9 @@ def expect_value(
     equal values are equal. `parts` names the items of a list, ("size", "color"), or of each row of
     a list of rows; without names a message has their indices. The kind of mistake then ends with
     the part, "a value is wrong: the size", so that a task can have a hint for each.
+
+    `axes` name the numbers of the innermost lists: with "x y z, red green blue alpha", messages say
+    "z of the centre" and "red of the color" instead of "[2] of the centre" and "[0] of the color".
 
     `angles` are the indices of joint angles [rad] in a list: they are equal if they differ by a
     full turn, and a joint turns by one turn at most in each direction.
@@ -62,15 +66,17 @@ def expect_value(
             for index, (item, wanted) in enumerate(zip(value, right, strict=True))
         ]
     if parts and _are_rows([value, right], parts):
-        return _compare_parts(value, right, parts, tolerance, unit, name)
+        return _compare_parts(value, right, parts, axes, tolerance, unit, name)
     if parts and _are_rows(value, parts) and _are_rows(right, parts) and len(value) == len(right):
         rows = enumerate(zip(value, right, strict=True))
         return [
             problem
             for index, (row, expected_row) in rows
-            for problem in _compare_parts(row, expected_row, parts, tolerance, unit, f"row {index} of {name}")
+            for problem in _compare_parts(
+                row, expected_row, parts, axes, tolerance, unit, f"row {index} of {name}"
+            )
         ]
-    return compare(value, right, tolerance, unit, name)
+    return compare(value, right, tolerance, unit, name, axes)
 
 
 def _are_rows(rows: Any, parts: Sequence[str]) -> bool:
@@ -82,6 +88,7 @@ def _compare_parts(
     row: list[Any],
     expected: list[Any],
     parts: Sequence[str],
+    axes: str,
     tolerance: float,
     unit: str,
     name: str,
@@ -90,7 +97,7 @@ def _compare_parts(
         yield problem
         return
     for item, expected_item, part in zip(row, expected, parts, strict=True):
-        for problem in compare(item, expected_item, tolerance, unit, f"the {part} of {name}"):
+        for problem in compare(item, expected_item, tolerance, unit, f"the {part} of {name}", axes):
             # A task may have a hint for this part. Otherwise the hint for the kind alone is used.
             kind = f"{problem.mistake}: the {part}"
             yield Problem(problem.message, kind)
@@ -136,12 +143,18 @@ def _is_same_joint_angle(value: Any, expected: float, tolerance: float) -> bool:
     return abs(value) <= math.tau and are_angles_close(value, expected, tolerance)
 
 
-def compare(value: Any, expected: Any, tolerance: float, unit: str, name: str) -> Iterator[Problem]:
-    """Compare plain data recursively and yield the problems of the innermost values."""
+def compare(
+    value: Any, expected: Any, tolerance: float, unit: str, name: str, axes: str = ""
+) -> Iterator[Problem]:
+    """Compare plain data recursively and yield the problems of the innermost values.
+
+    `axes` name the numbers of the innermost lists, "x y z"; a comma separates names for lists of
+    another length.
+    """
     actual = f"{name} is {_shorten(value)}"
     match expected, value:
         case list(), list():
-            yield from _compare_lists(value, expected, tolerance, unit, name)
+            yield from _compare_lists(value, expected, tolerance, unit, name, axes)
         case list(), _:
             expected_text = f"a list of {len(expected)}" if expected else "an empty list"
             remedy = ": put it into list( )" if actual.endswith(" generator") else ""
@@ -151,7 +164,9 @@ def compare(value: Any, expected: Any, tolerance: float, unit: str, name: str) -
         case dict(), dict():
             for key in expected:
                 if key in value:
-                    yield from compare(value[key], expected[key], tolerance, unit, _item_name(name, key))
+                    yield from compare(
+                        value[key], expected[key], tolerance, unit, _item_name(name, key), axes
+                    )
                 else:
                     yield Problem(f"{name} has no {key!r}", "a key is missing")
         case dict(), _:
@@ -170,7 +185,7 @@ def compare(value: Any, expected: Any, tolerance: float, unit: str, name: str) -
 
 
 def _compare_lists(
-    value: list[Any], expected: list[Any], tolerance: float, unit: str, name: str
+    value: list[Any], expected: list[Any], tolerance: float, unit: str, name: str, axes: str
 ) -> Iterator[Problem]:
     if len(value) != len(expected):
         message = f"{name} has {format_count(len(value), 'item')}, expected {len(expected) or 'none'}"
@@ -186,11 +201,17 @@ def _compare_lists(
             yield Problem(message, "a list in a list has the wrong length")
         else:
             yield Problem(message, "a list has the wrong length")
-    elif problem := _order_problem(value, expected, tolerance, name):
+        return
+    is_nested = any(isinstance(item, list) for item in expected)
+    groups = [] if is_nested else [group.split() for group in axes.split(",")]
+    own_axes = next((group for group in groups if len(group) == len(expected)), [])
+    if problem := _order_problem(value, expected, tolerance, name, own_axes):
         yield problem
-    else:
-        for index, pair in enumerate(zip(value, expected, strict=True)):
-            yield from compare(*pair, tolerance, unit, _item_name(name, index))
+        return
+    names = [f"{axis} of {name}" for axis in own_axes]
+    names = names or [_item_name(name, index) for index in range(len(expected))]
+    for item, expected_item, item_name in zip(value, expected, names, strict=True):
+        yield from compare(item, expected_item, tolerance, unit, item_name, axes)
 
 
 def _order_problem(
@@ -198,11 +219,17 @@ def _order_problem(
     expected: list[Any],
     tolerance: float,
     name: str,
+    axes: Sequence[str] = (),
 ) -> Problem | None:
-    """Return the problem of a list with the expected numbers or strings in a different order."""
+    """Return the problem of a list with the expected numbers or strings in a different order.
+
+    `axes` name its numbers, if they have names.
+    """
     if not {type(item) for item in (*value, *expected)} <= {int, float, str}:
         return None
-    if not any(_is_different(*pair, tolerance) for pair in zip(value, expected, strict=True)):
+    pairs = zip(value, expected, strict=True)
+    wrong_indices = [index for index, pair in enumerate(pairs) if _is_different(*pair, tolerance)]
+    if not wrong_indices:
         return None
     is_opposite = not any(
         _is_different(*pair, tolerance) for pair in zip(value, reversed(expected), strict=True)
@@ -211,6 +238,8 @@ def _order_problem(
         return None
     actual, expected_text = map(_shorten, map(_round_numbers, (value, expected)))
     order = "the order is the other way round" if is_opposite else "the order is another one"
+    if axes and len(wrong_indices) == 2:
+        order = f"{join_words([axes[index] for index in wrong_indices])} are exchanged"
     return Problem(f"{name} is {actual}, expected {expected_text}: {order}", WRONG_ORDER)
 
 

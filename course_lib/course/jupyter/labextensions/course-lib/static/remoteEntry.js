@@ -124,13 +124,16 @@
 
   /**
    * Hide the broken links that ipywidgets draws at each control of a kernel that has ended: a line says it once. Break
-   * lines of text outputs between words, not within. In narrow windows, break long code in tables, which would push the
-   * other columns out of sight.
+   * lines of text outputs between words, not within. Break long lines of code as well, with a hanging indent, so that
+   * none is hidden beside a view. In narrow windows, break long code in tables, which would push the other columns out
+   * of sight.
    */
   function addStyles() {
     const style = document.createElement("style");
     style.textContent = `.jp-Cell:has(.course-saved) .jupyter-widgets-disconnected::before { content: none; }
       .jp-OutputArea-output.jp-RenderedText pre { word-break: normal; overflow-wrap: anywhere; }
+      .jp-CodeCell .jp-InputArea-editor .cm-content { white-space: break-spaces; overflow-wrap: anywhere; flex-shrink: 1; }
+      .jp-CodeCell .jp-InputArea-editor .cm-line { padding-left: calc(2px + 8ch); text-indent: -8ch; }
       @media (max-width: 900px) { .jp-RenderedMarkdown td code { overflow-wrap: anywhere; } }`;
     document.head.append(style);
   }
