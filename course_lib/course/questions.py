@@ -175,7 +175,7 @@ def _parse_question(path: Path, kind: str, table: dict[str, Any]) -> Question:
     count = sum(answer.right for answer in question.answers)
     if count != 1:
         raise CourseError(
-            f"{place}: {question.text!r} needs exactly one answer with right = true, it has {count}"
+            f"{place}: {question.text!r} needs exactly one answer with right = true, but has {count}"
         )
     return question
 

@@ -132,7 +132,9 @@ class Advice:
             lines = [*call_note(task, result, evidence), *causes]
         if task.personal and student is None:
             lines = [*lines, NO_ID.format(first_lesson())]
-        return [*lines, *large_message_hint(evidence), *best_effort_hint(evidence)]
+        lines += large_message_hint(evidence)
+        lines += best_effort_hint(evidence)
+        return [*lines, *(wall_clock_hint(source) if result.passed else [])]
 
     def hint(
         self,
@@ -633,6 +635,24 @@ def best_effort_hint(evidence: Iterable[Evidence]) -> list[str]:
                 "number like 10 as the last argument of create_publisher."
             ]
     return []
+
+
+def wall_clock_hint(source: str) -> list[str]:
+    """Return a sentence about the computer's clock in a node, or []."""
+    for outer in ast.walk(parse(source)):
+        for node in ast.walk(outer) if isinstance(outer, ast.ClassDef) else ():
+            match node:
+                case ast.Call(func=called) if re.fullmatch(_WALL_CLOCK, ast.unparse(called)):
+                    return [
+                        # The computer's clock and the robot's agree as long as no simulation runs.
+                        f"Here the checks accept {ast.unparse(called)}(), but with a simulation or a bag "
+                        "it is another time than self.get_clock().now()."
+                    ]
+    return []
+
+
+# Functions that return the computer's time instead of the node's.
+_WALL_CLOCK = r"time\.(time|time_ns|monotonic|perf_counter)|(datetime\.)?datetime\.(now|utcnow)"
 
 
 def _may_hold_nan(cdr: bytes) -> bool:

@@ -17,7 +17,7 @@ from course_lib.grading.caught_errors import CaughtErrors
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import personal_values
 from course_lib.grading.judge import judge_task
-from course_lib.grading.own_source import source_of
+from course_lib.grading.own_source import is_from_cell, source_of
 from course_lib.grading.records import Run, TaskResult
 from course_lib.grading.reports.rendering import Table
 from course_lib.grading.run.outcome import printed_lines
@@ -92,7 +92,10 @@ def check(task_id: str, subject: Any = MISSING) -> None:
     ]
     imported_files = sorted({Path(path).name for path in paths if path and Path(path).parent == here})
     own_files = map(NOT_SUBMITTED.format, imported_files)
-    notes = (*_mix_up_note(catalog, task, result, subject, cells), *table.notes, *own_files)
+    stale = stale_note(subject, cells)
+    mix_up = [] if stale else _mix_up_note(catalog, task, result, subject, cells)
+    # Hints about an older definition do not fit the student's newest code.
+    notes = (*stale, *mix_up, *([] if stale else table.notes), *own_files)
     table = replace(table, next_step=next_step(catalog, task), notes=notes)
     show(lambda: table, str(table))
     if in_notebook() and task.ghost and not result.passed:
@@ -148,6 +151,26 @@ def _mix_up_note(
             "it: delete the later cell, and run your own again."
         ]
     return []
+
+
+def stale_note(subject: Any, cells: Sequence[str]) -> list[str]:
+    """Return a line if the newest cell that defines the object failed, so that an older one counts.
+
+    Args:
+        subject: The student's object.
+        cells: The cells run so far, in the order of their runs.
+    """
+    name = getattr(subject, "__name__", "")
+    if not isinstance(name, str) or not name.isidentifier():
+        return []
+    definition = re.compile(rf"^(async def|def|class)\s+{name}\b", re.MULTILINE)
+    newest = next((cell for cell in reversed(cells) if definition.search(cell)), "")
+    if not newest or is_from_cell(subject, newest):
+        return []
+    return [
+        f"Hint: The newest cell with {name} ended with an error, so an older {name} was checked. "
+        "Fix that error, run the cell again, then check."
+    ]
 
 
 def table_of(

@@ -1,6 +1,7 @@
 """Slips in the classes of nodes that raise no error, and the first slip of a student's code."""
 
 import ast
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
@@ -34,6 +35,7 @@ def find_slip(source: str) -> str:
                 *_replaced_methods(outer),
                 *_odd_parameter_callbacks(outer),
                 *_undeclared_names(outer),
+                *_unread_attributes(outer),
             ):
                 return slip
         attributes = _attributes_of_self(outer) if isinstance(outer, ast.ClassDef) else set()
@@ -50,6 +52,8 @@ def find_slip(source: str) -> str:
                 *_misspelled_attributes(outer),
                 *_uncalled_methods(outer),
                 *_fields_of_node(outer),
+                *_unread_values(outer),
+                *_replaced_stamps(outer),
             ):
                 return slip
     return next(_exchanged_arguments(tree), "")
@@ -176,6 +180,43 @@ def _odd_parameter_callbacks(cls: ast.ClassDef) -> Iterator[str]:
                         f"{name} may end without return, and then ROS rejects the value: end it "
                         f"with {result}."
                     )
+
+
+# By the method or class that creates an object: the attributes that rclpy reads from it later, and
+# what sets its other properties.
+_READ_LATER = {
+    "create_timer": (
+        {"callback", "timer_period_ns"},
+        "the period is timer_period_ns, in nanoseconds. Or destroy the timer and create a new one",
+    ),
+    "create_publisher": (set(), "topic, type and QoS are arguments of create_publisher"),
+    "create_subscription": ({"callback"}, "topic and QoS are arguments of create_subscription"),
+    "create_client": (set(), "type and name are arguments of create_client"),
+    "create_service": ({"callback"}, "type, name and callback are arguments of create_service"),
+    "TransformBroadcaster": (set(), "each transform has its frames: sendTransform sends it"),
+    "StaticTransformBroadcaster": (set(), "each transform has its frames: sendTransform sends it"),
+}
+
+
+def _unread_attributes(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each attribute set on an object of rclpy that does not read it."""
+    created: dict[str, str] = {}
+    read: set[str] = set()
+    for node in ast.walk(cls):
+        match node:
+            case ast.Assign(value=ast.Call(func=ast.Attribute(attr=kind) | ast.Name(id=kind))):
+                if kind in _READ_LATER:
+                    created |= {ast.unparse(target): kind for target in node.targets}
+            case ast.Attribute(attr=name, ctx=ast.Load()):
+                read.add(name)
+    for node in ast.walk(cls):
+        match node:
+            case ast.Assign(targets=[ast.Attribute(value=owner, attr=name)]) if kind := created.get(
+                ast.unparse(owner), ""
+            ):
+                used, advice = _READ_LATER[kind]
+                if name not in used | read:
+                    yield f"{quote(node)} sets an attribute that ROS does not read: {advice}."
 
 
 def _returned_constant(function: Function) -> str:
@@ -322,6 +363,40 @@ def _misspelled_attributes(cls: ast.ClassDef) -> Iterator[str]:
                 f"self.{name} is set and never read, and self.{similar[0]} is read and never set "
                 "outside of __init__: should both be the same attribute?"
             )
+
+
+def _replaced_stamps(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a question for each callback that sets the stamp of the received message."""
+    for function in callbacks_of(cls):
+        names = [argument.arg for argument in function.args.args[1:2]]
+        for node in ast.walk(function):
+            match node:
+                case ast.Assign(targets=[ast.Attribute() as target]) if any(
+                    re.match(rf"{name}\.header\.stamp\b", ast.unparse(target)) for name in names
+                ):
+                    yield (
+                        f"{quote(node)} replaces the time at which {names[0]} was made: is the old "
+                        "one needed?"
+                    )
+
+
+def _unread_values(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each value that a callback of a plain node stores in vain."""
+    if [ast.unparse(base) for base in cls.bases] != ["Node"]:
+        return
+    read = {
+        node.attr
+        for node in ast.walk(cls)
+        if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load)
+    }
+    for function in callbacks_of(cls):
+        for node in ast.walk(function):
+            match node:
+                case ast.Assign(
+                    targets=[ast.Attribute(value=ast.Name(id="self"), attr=name)],
+                    value=value,
+                ) if name not in read and "(" not in ast.unparse(value):
+                    yield f"{quote(node)} keeps a value that no line reads: is it used?"
 
 
 def _uncalled_methods(cls: ast.ClassDef) -> Iterator[str]:

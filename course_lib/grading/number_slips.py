@@ -19,6 +19,11 @@ def number_slips(function: Function) -> Iterator[str]:
     yield from _cut_quotients(function)
     yield from _integer_arrays(function)
     yield from _nanoseconds(function)
+    yield from _short_periods(function)
+    yield from _quaternions(function)
+    yield from _comparisons_with_nan(function)
+    yield from _products_of_zero(function)
+    yield from _added_letters(function)
     yield from _filtered_indices(function)
     yield from _absolute_times(function)
     yield from _covered_limits(function)
@@ -26,15 +31,31 @@ def number_slips(function: Function) -> Iterator[str]:
 
 def _wrong_angles(function: Function) -> Iterator[str]:
     """Yield a sentence for each angle in degrees where a function takes radians."""
+    in_degrees = {
+        target.id
+        for node in ast.walk(function)
+        if isinstance(node, ast.Assign) and _is_conversion(node.value)
+        for target in node.targets
+        if isinstance(target, ast.Name)
+    }
     for node in ast.walk(function):
         match node:
+            case ast.Call(func=ast.Attribute(attr="sin" | "cos" | "tan" as name), args=[value]) if named := [
+                part.id
+                for part in ast.walk(value)
+                if isinstance(part, ast.Name) and part.id in in_degrees | _DEGREES
+            ]:
+                if not re.search(r"\b(radians|deg2rad)\(", ast.unparse(value)):
+                    yield f"{quote(node)}: {name} takes radians, and {named[0]} is in degrees."
             case ast.Call(func=ast.Attribute(attr="sin" | "cos" | "tan" as name), args=[argument]) if any(
-                isinstance(part, ast.Call)
-                and isinstance(part.func, ast.Attribute)
-                and part.func.attr in ("degrees", "rad2deg")
-                for part in ast.walk(argument)
+                map(_is_conversion, ast.walk(argument))
             ):
                 yield f"{quote(node)}: {name} takes radians, so leave out the conversion to degrees."
+            case ast.Assign(
+                targets=[ast.Name(id=name)],
+                value=ast.Call(func=ast.Attribute(attr="radians"), args=[ast.Name(id=angle)]),
+            ) if name == angle and name in _ANGLES & {one.arg for one in function.args.args}:
+                yield f"{quote(node)}: angles are in radians here: is this one in degrees?"
             case ast.BinOp(
                 left=ast.Name(id=name) | ast.Attribute(attr=name),
                 op=ast.Add() | ast.Sub() | ast.Mod(),
@@ -43,6 +64,13 @@ def _wrong_angles(function: Function) -> Iterator[str]:
                 yield f"{quote(node)}: angles are in radians here, and {ast.unparse(degrees)}° is {turn}."
 
 
+def _is_conversion(node: ast.AST, names: tuple[str, ...] = ("degrees", "rad2deg")) -> bool:
+    """Return whether an expression is a call that converts an angle, by default to degrees."""
+    return isinstance(node, ast.Call) and getattr(node.func, "attr", "") in names
+
+
+# Usual names of angles in degrees.
+_DEGREES = {"degrees", "deg", "angle_deg", "yaw_deg", "heading_deg", "degree"}
 _ANGLES = {"angle", "yaw", "heading", "theta", "turn", "first", "second", "lift", "elbow"}
 _TURNS = {
     **dict.fromkeys(("90", "90.0"), "math.pi / 2"),
@@ -255,6 +283,108 @@ def _nanoseconds(function: Function) -> Iterator[str]:
                     ):
                         yield f"{ast.unparse(part)} counts nanoseconds: / 1e9 converts it to seconds."
                         return
+
+
+def _short_periods(function: Function) -> Iterator[str]:
+    """Yield a sentence for each period in seconds that is set where nanoseconds are expected."""
+    for node in ast.walk(function):
+        match node:
+            case ast.Assign(targets=[ast.Attribute(attr="timer_period_ns")], value=value) if not (
+                # A variable may already be in nanoseconds.
+                isinstance(value, ast.Name)
+                or any(map(_is_large, ast.walk(value)))
+                or re.search(r"_ns\b|nanoseconds|NS\b|\*\*", ast.unparse(value))
+            ):
+                yield f"{quote(node)}: in nanoseconds this is int(({ast.unparse(value)}) * 1e9)."
+
+
+def _is_large(node: ast.AST) -> bool:
+    value = node.value if isinstance(node, ast.Constant) else None
+    return isinstance(value, int | float) and value >= 1e3
+
+
+def _comparisons_with_nan(function: Function) -> Iterator[str]:
+    for node in ast.walk(function):
+        match node:
+            case ast.Compare(left=left, ops=[ast.Eq() | ast.NotEq() as operator], comparators=[right]) if (
+                names := {ast.unparse(left), ast.unparse(right)} & {"math.nan", "np.nan"}
+            ):
+                result = "never" if isinstance(operator, ast.Eq) else "always"
+                other = ast.unparse(right if ast.unparse(left) in names else left)
+                yield f"{quote(node)} is {result} true. Use math.isnan({other})."
+
+
+def _products_of_zero(function: Function) -> Iterator[str]:
+    """Yield a sentence for each product that begins with zeros and therefore stays zero."""
+    zeros = {
+        target.id: node
+        for node in function.body
+        if isinstance(node, ast.Assign) and re.match(r"0$|0\.0$|np\.zeros", ast.unparse(node.value))
+        for target in node.targets
+        if isinstance(target, ast.Name)
+    }
+    for node in ast.walk(function):
+        match node:
+            case ast.AugAssign(target=ast.Name(id=name), op=ast.Mult() | ast.MatMult()):
+                pass
+            case ast.Assign(
+                targets=[ast.Name(id=name)],
+                value=ast.BinOp(op=ast.Mult() | ast.MatMult()) as product,
+            ) if uses(product, name):
+                pass
+            case _:
+                continue
+        if name in zeros:
+            first = "np.eye" if "zeros" in ast.unparse(zeros[name]) else "1.0"
+            yield f"{quote(zeros[name])}: a product that begins with 0 stays 0. Begin with {first}."
+
+
+def _added_letters(function: Function) -> Iterator[str]:
+    """Yield a sentence for each string that += adds to a list letter by letter."""
+    lists = {
+        ast.unparse(target)
+        for node in ast.walk(function)
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.List | ast.ListComp)
+        for target in node.targets
+    }
+    for node in ast.walk(function):
+        match node:
+            case ast.AugAssign(target=target, op=ast.Add(), value=ast.Constant(value=str())) if (
+                ast.unparse(target) in lists
+            ):
+                yield (
+                    f"{quote(node)} adds each letter of the string as an item: write "
+                    f"{ast.unparse(target)}.append({ast.unparse(node.value)})."
+                )
+
+
+def _quaternions(function: Function) -> Iterator[str]:
+    """Yield a sentence for each quaternion in another order than x, y, z, w, or with an angle."""
+    for node in ast.walk(function):
+        match node:
+            case ast.Assign(targets=[ast.Tuple(elts=[ast.Attribute(attr="w"), *rest])], value=value) if [
+                getattr(part, "attr", "") for part in rest
+            ] == ["x", "y", "z"] and not isinstance(value, ast.Tuple | ast.List):
+                yield f"{quote(node)}: the order of ROS is x, y, z, w: put w last on the left."
+            case ast.Assign(targets=[ast.Attribute(value=owner, attr="z")], value=ast.Name(id=angle)) if (
+                angle in _ANGLES and re.search(r"(orientation|rotation)$", ast.unparse(owner))
+            ):
+                yield (
+                    f"{quote(node)}: a quaternion has no angle in z. A turn by {angle} about z is "
+                    f"z = math.sin({angle} / 2), w = math.cos({angle} / 2)."
+                )
+            case ast.Assign(
+                targets=[ast.Attribute(value=owner, attr="z" | "w")],
+                value=ast.BinOp(
+                    left=ast.Call(func=ast.Attribute(attr="sin" | "cos" as name), args=[argument]),
+                    op=ast.Div(),
+                    right=ast.Constant(value=2),
+                ),
+            ) if re.search(r"(orientation|rotation)$", ast.unparse(owner)):
+                yield (
+                    f"{quote(node)} divides the {name} by 2: a quaternion needs half of the angle, "
+                    f"math.{name}({ast.unparse(argument)} / 2)."
+                )
 
 
 def _ends_with(node: ast.AST, field: str) -> bool:

@@ -40,6 +40,30 @@ def source_of(subject: Any, week: str) -> str:
     return _with_helpers(*found, _find_value, week) if found else ""
 
 
+def is_from_cell(subject: Any, cell: str) -> bool:
+    """Return whether a cell may have defined a class or function.
+
+    It has not if it contains a syntax error, or another definition of this name. An object whose
+    source is unknown may be from any cell.
+    """
+    found = _source_of_value(subject)
+    if found is None:
+        return True
+    definitions = dict(_definitions(cell))
+    if not definitions:
+        return _is_valid(cell)
+    # A definition in a block, like the body of an if, is not among those at the top level.
+    return definitions.get(subject.__name__, found[0]) == found[0]
+
+
+def _is_valid(cell: str) -> bool:
+    try:
+        ast.parse(without_magics(cell))
+    except (SyntaxError, ValueError):
+        return False
+    return True
+
+
 def source_in_cells(name: str, cells: Sequence[str], week: str) -> str:
     """Return the source of a definition in the cells of a notebook and of what it uses, or "".
 

@@ -11,6 +11,8 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
+from course_lib.ros.syntax_hints import foreign_letter
+
 # Methods of lists, dictionaries and sets that change them and return None.
 IN_PLACE = {"append", "extend", "insert", "remove", "reverse", "sort", "clear", "update", "add", "discard"}
 # Functions and methods that only return a value.
@@ -35,6 +37,7 @@ def parse(source: str) -> ast.AST:
 
 def function_slips(function: Function, attributes: set[str]) -> Iterator[str]:
     """Yield a sentence for each slip in a function, or a method of a class with these attributes."""
+    yield from _foreign_letters(function)
     for block in _blocks(function):
         yield from _idle_statements(block)
         yield from _recreations(block)
@@ -243,9 +246,29 @@ def _loops(block: Sequence[ast.stmt], function: str) -> Iterator[str]:
                         f"{quote(later)} is after the loop and gets only the last {name}: move it "
                         "into the loop."
                     )
+        for name, statement in _restarts(loop):
+            if any(uses(later, name) for later in block[index + 1 :]):
+                yield f"{quote(statement)} in the loop runs for each item: move it before the loop."
         for name in [name for statement in loop.body for name in emptied_names(statement)]:
             if any(uses(later, name) for later in block[index + 1 :]):
                 yield f'"{name} = []" in the loop empties the list for each item: move it before the loop.'
+
+
+def _restarts(loop: ast.For) -> Iterator[tuple[str, ast.stmt]]:
+    """Yield each variable that a loop sets anew and then only changes, and the statement."""
+    for index, statement in enumerate(loop.body):
+        match statement:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value) if not uses(value, name):
+                later = [other for other in loop.body[index + 1 :] if uses(other, name)]
+            case _:
+                continue
+        match later:
+            case [ast.AugAssign(target=ast.Name(id=changed))] if changed == name:
+                yield name, statement
+            case [ast.Assign(targets=[ast.Name(id=changed)], value=changed_value)] if (
+                changed == name and uses(changed_value, name)
+            ):
+                yield name, statement
 
 
 def emptied_names(statement: ast.stmt) -> list[str]:
@@ -800,7 +823,7 @@ def _is_literal(node: ast.expr) -> bool:
 
 def _unreachable(block: Sequence[ast.stmt]) -> Iterator[str]:
     for statement, after in pairwise(block):
-        if isinstance(statement, ast.Return):
+        if isinstance(statement, ast.Return | ast.Continue | ast.Break | ast.Raise):
             yield f"{quote(after)} comes after {quote(statement)} and never runs."
 
 
@@ -820,6 +843,14 @@ def _is_local(function: Function, name: str) -> bool:
     names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
     stored = {node.id for node in names if isinstance(node.ctx, ast.Store)}
     return name in stored | {argument.arg for argument in function.args.args}
+
+
+def _foreign_letters(function: Function) -> Iterator[str]:
+    """Yield a sentence for each string with a foreign letter that looks like a Latin one."""
+    for node in ast.walk(function):
+        match node:
+            case ast.Constant(value=str(text)) if found := foreign_letter(text):
+                yield f"{found}: type the string again."
 
 
 def _plain_strings(function: Function) -> Iterator[str]:

@@ -27,6 +27,11 @@ def shadowed_hint(error: BaseException, text: str) -> str:
                 f"{name} is a variable here, {name} = …, and hides Python's {name}(): choose "
                 f"another name for it. In a notebook, del {name} gives back Python's own."
             )
+        is_called = re.search(rf"(?<![.\w]){name}\(", line_of_student(error)) is not None
+        value = frame.f_locals.get(name)
+        is_value = value is not None and not callable(value)
+        if is_called and is_value and callable(frame.f_globals.get(name)):
+            return f"{name} = … is a variable here and hides the function {name}: rename it."
         if name == match[1] and type(variables.get(name)).__name__ == name:
             return (
                 f"{name} is an object here, {name} = …, and hides the class {name}: choose another "

@@ -79,6 +79,7 @@ def _find_hint(error: BaseException) -> str:
             return found
     if (
         found := _recursion_hint(error)
+        or _foreign_letter_hint(error, text)
         or hidden_names.hidden_property_hint(error)
         or hidden_names.hidden_module_hint(error)
         or near_names.key_hint(error)
@@ -107,6 +108,10 @@ def _find_hint(error: BaseException) -> str:
         or _base_class_hint(error)
         or value_hints.list_hint(error, text)
         or value_hints.append_hint(error, text)
+        or value_hints.missing_comma_hint(error, text)
+        or value_hints.range_hint(error, text)
+        or value_hints.index_hint(error)
+        or value_hints.none_hint(error, text)
         or _number_loop_hint(error)
         or _pair_hint(error, text)
         or _program_arguments_hint(error)
@@ -140,6 +145,15 @@ def _find_hint(error: BaseException) -> str:
         if attribute and near_names.is_student_class(type(error.obj)):
             return f"set `self.{attribute[2]}` in {attribute[1]}.__init__, spelled the same."
     return ""
+
+
+def _foreign_letter_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a name of ROS or an attribute with a foreign letter, or ""."""
+    is_name = isinstance(error, AttributeError) or text.startswith(
+        ("Invalid topic name", "Invalid node name")
+    )
+    found = syntax_hints.foreign_letter(text) if is_name else ""
+    return f"{found}: type the name again." if found else ""
 
 
 def _field_hint(types: Sequence[str], attribute: str, line: str) -> str:
@@ -202,9 +216,13 @@ def _decimal_comma_hint(error: BaseException, text: str) -> str:
         r"takes (exactly one|1 positional) argument.*2 (were )?given|attribute 'add_entity'|'tuple'"
         "|too many values to unpack|is not a node"
     )
-    return (
-        syntax_hints.decimal_comma_hint(near_names.line_of_student(error)) if re.search(surplus, text) else ""
-    )
+    if re.search(surplus, text):
+        return syntax_hints.decimal_comma_hint(near_names.line_of_student(error))
+    if "must be real number, not tuple" in text:
+        # The tuple is usually a variable, which a line above has set.
+        found = map(syntax_hints.decimal_comma_hint, value_hints.lines_above(error))
+        return next(filter(None, found), "")
+    return ""
 
 
 def _rclpy_attribute_hint(error: BaseException) -> str:
@@ -366,21 +384,34 @@ def _callback_hint(error: BaseException) -> str:
         return ""
     if isinstance(callback, str):
         return f"the callback is a function and not its name: write self.{callback}, without quotes."
-    if is_called and isinstance(callback, int | float | list | tuple | dict):
+    if is_called and callback is not None and not callable(callback):
+        value = f"{callback!r:.40}, " if near_names.is_native(type(callback)) else ""
         return (
-            f"the callback is {callback!r:.40}, of type {type(callback).__name__}: is it an "
+            f"the callback is {value}of type {type(callback).__name__}: is it an "
             "attribute with the name of a method, or is the callback another argument of the call?"
         )
     return ""
 
 
+# The module of rclpy's stand-in that calls parameter callbacks.
+_PARAMETER_FILE = "parameter_store.py"
+
+
 def _parameter_callback_hint(error: BaseException, text: str) -> str:
     """Return the hint for a parameter callback with a wrong signature, or ""."""
     frame = near_names.frame_of(error)
+    line = near_names.line_of_student(error)
+    callers = [one.f_code.co_filename for one, _ in walk_tb(error.__traceback__)]
+    is_callback = any(caller.endswith(_PARAMETER_FILE) for caller in callers)
+    if is_callback and not callers[-1].endswith(_PARAMETER_FILE) and re.match(r"\s*raise\b", line):
+        return (
+            "an exception in this callback ends the node. To reject the value, write "
+            "`return SetParametersResult(successful=False, reason='too large')`."
+        )
     match = re.match(r"(?:\w+\.)*(\w+)\(\) (?:missing|takes) .*positional argument", text)
     if frame is None or match is None or not isinstance(error, TypeError):
         return ""
-    if frame.f_code.co_filename.endswith("parameter_store.py"):
+    if frame.f_code.co_filename.endswith(_PARAMETER_FILE):
         return f"the callback gets a list of parameters: write `def {match[1]}(self, parameters)`."
     return ""
 
@@ -427,8 +458,13 @@ def _future_hint(error: BaseException) -> str:
 
 def _base_class_hint(error: BaseException) -> str:
     """Return the hint for a class whose base is an object, because a variable has its name, or ""."""
-    match = re.match(r"\s*class \w+\((\w+)\)", near_names.line_of_student(error))
+    line = near_names.line_of_student(error)
     frame = near_names.frame_of(error)
+    match = re.match(r"\s*class (\w+)\(([\w.]+)\)", line)
+    if match and str(error).startswith("module() takes"):
+        name = "Node" if match[2].endswith("node") else "a class of it"
+        return f"{match[2]} is a module: write {name} in ( ), as in class {match[1]}(Node): …."
+    match = re.match(r"\s*class \w+\((\w+)\)", line)
     if match is None or frame is None or not isinstance(error, TypeError):
         return ""
     base = {**frame.f_globals, **frame.f_locals}.get(match[1])
@@ -494,6 +530,8 @@ def _type_hint(kind: object) -> str:
     if isinstance(kind, str) and (match := re.fullmatch(r"(\w+)/(?:(msg|srv|action)/)?(\w+)", kind)):
         line = f"from {match[1]}.{match[2] or 'msg'} import {match[3]}"
         return f"pass the class and not its name in quotes: `{line}`, then {match[3]}."
+    if isinstance(kind, ModuleType):
+        return f"{kind.__name__} is a module: pass the class of the messages, like Marker."
     if isinstance(kind, str) and kind.isidentifier():
         return f"pass the class and not its name: {kind}, without quotes."
     if hasattr(kind, "get_fields_and_field_types") and not isinstance(kind, type):
@@ -598,6 +636,10 @@ def _pair_hint(error: BaseException, text: str) -> str:
         return "enumerate gives pairs, an index and then an item: `for index, item in enumerate(items)`."
     if not isinstance(error, ValueError) or "values to unpack" not in text:
         return ""
+    if keys := re.search(r"\bin ([\w.]+)\.keys\(\)", line):
+        return f"keys() gives only the keys: write {keys[1]}.items()."
+    if loop := re.match(r"\s*for\s+(.+,.+)\s+in\s+([\w.]+\s*,\s*[\w.]+)\s*:", line):
+        return f"zip pairs the items of two lists: write for {loop[1]} in zip({loop[2]})."
     if re.search(r"\bfor \w+(, \w+)+ in enumerate\(", line):
         return (
             "enumerate gives pairs, an index and an item. The names for the item's parts are in "

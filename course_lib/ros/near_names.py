@@ -25,6 +25,7 @@ from types import CodeType, FrameType, FunctionType, MethodType, ModuleType
 from typing import Any
 
 from course_lib.errors import format_count, join_words
+from course_lib.ros import syntax_hints
 from course_lib.ros.messages.definitions import FieldDefinition, definition, type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
 
@@ -228,6 +229,9 @@ def name_hint(error: NameError) -> str:
     if match is None or frame is None:
         return ""
     missing = match[1]
+    line = line_of_student(error)
+    if found := _line_hint(missing, line, frame):
+        return found
     owner = public_attributes(frame.f_locals.get("self"))
     if missing in owner and not (isinstance(error, UnboundLocalError) and _is_set_before(error, missing)):
         return f"did you mean `self.{missing}`?"
@@ -239,7 +243,7 @@ def name_hint(error: NameError) -> str:
                 f"a function that assigns {missing} has a {missing} of its own. Keep the value in "
                 f"the node, as `self.{missing}`, or write `global {missing}` first."
             )
-        if re.match(rf"\s*{missing}\s*=.*\b{missing}[.(]", line_of_student(error)):
+        if re.match(rf"\s*{missing}\s*=.*\b{missing}[.(]", line):
             own = f"{missing} on the right is the variable of this line, which has no value yet"
             return f"{own}. If a module or a function {missing} is meant, choose another name on the left."
         return f"give {missing} a value before this line, on every path that leads here."
@@ -252,8 +256,6 @@ def name_hint(error: NameError) -> str:
     importable = _importable(frame)
     if missing in ROS_1:
         return f"there is no {missing} in ROS 2: {ROS_1[missing]}."
-    if missing in _ENDS and line_of_student(error).strip().rstrip(";") == missing:
-        return f"a block ends where its lines are no longer indented: delete {missing}."
     if inner := _function_that_sets(missing, frame.f_code):
         return f"{missing} is set in the function {inner}, and exists only there: return it from {inner}."
     # A launch file is a separate program, which cannot use the cells of a notebook.
@@ -264,6 +266,19 @@ def name_hint(error: NameError) -> str:
         module = f"{missing}.{next(iter(interfaces()[missing]))}" if missing in interfaces() else missing
         return f"import it: `import {module}`{again}"
     return _similar_name(error, missing, frame, owner, importable)
+
+
+def _line_hint(missing: str, line: str, frame: FrameType) -> str:
+    """Return the hint for an undefined name whose spelling or line shows the mistake, or ""."""
+    if found := syntax_hints.foreign_letter(missing):
+        return f"{found}: type the name again."
+    if missing.startswith("create_") and "__qualname__" in frame.f_locals:
+        return f"write self.{missing}(…) in def __init__: it is a method of a node."
+    if re.match(rf"\s*{missing}\s*==", line):
+        return f"== compares. To set a value, write a single =, as in {missing} = 1.0."
+    if missing in _ENDS and line.strip().rstrip(";") == missing:
+        return f"a block ends where its lines are no longer indented: delete {missing}."
+    return ""
 
 
 def _similar_name(
@@ -344,6 +359,8 @@ def _call_hint(missing: str, line: str, frame: FrameType) -> str:
     if match := re.search(rf"\bkey\s*=\s*({missing}\b[\w.\[\]]*)", line):
         return f"key is a function of an item: write key=lambda {missing}: {match[1]}."
     if re.search(rf"[(\[,]\s*{missing}\s*[)\],]", line) and _is_string_of_class(missing, frame):
+        if frame.f_code.co_name.isidentifier() and (similar := nearest(missing, frame.f_locals)):
+            return f'did you mean the variable {similar}, or the string "{missing}" with quotes?'
         return f'it is a name in quotes: write "{missing}".'
     return ""
 

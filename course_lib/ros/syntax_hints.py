@@ -4,11 +4,13 @@ A hint is found by the parser's message and the line at which the parser stops. 
 text from web pages, chats and C++, decimal commas, and commands of a terminal.
 """
 
+import keyword
 import linecache
 import re
 import sys
 import tomllib
 import unicodedata
+from itertools import pairwise
 from pathlib import Path
 
 # A pattern for the line at which the older parser stops, and the newer rule that allows it.
@@ -35,7 +37,11 @@ _DECIMAL_COMMA = re.compile(r"(?<![\w.,])-?\d+,\d+(?!\w|\.|,\d)")
 
 def syntax_hint(error: SyntaxError) -> str:
     """Return the hint for a syntax error, or "" if Python's message needs no explanation."""
-    line, message = error.text or "", error.msg or ""
+    message = error.msg or ""
+    # IPython compiles a syntax tree, whose errors of scopes have no text.
+    line = error.text or linecache.getline(error.filename or "", error.lineno or 0)
+    if message.startswith("invalid character '·'") and re.search(r"\d·\d", line):
+        return "a decimal number has a point, 0.5: instead of · write the point of the keyboard."
     if found := re.match(r"invalid character '(.)'", message):
         return _character_hint(found[1])
     if re.match(r"invalid non-printable character", message):
@@ -46,9 +52,40 @@ def syntax_hint(error: SyntaxError) -> str:
         return newer
     if message.startswith("positional argument follows") and (found_comma := decimal_comma_hint(line)):
         return found_comma
+    if _is_prose(line) and not message.startswith("Missing parentheses"):
+        return "this line is text and not code: delete it, or begin it with # as a comment."
     # The parser stops one line later where C and Java open a block, or where a class has no ( ).
     before = linecache.getline(error.filename, error.lineno - 1) if error.filename and error.lineno else ""
     return _hint_in_table("before", message, before) or _hint_in_table("lines", message, line)
+
+
+_WORD = r"\(?[A-Za-z]+(?:['\u2019][a-z]+)?[.,:!?)]*"
+
+
+def _is_prose(line: str) -> bool:
+    """Return whether a line is a sentence of English, like "Sure! Here is the corrected function:".
+
+    In code, two words that are not keywords never follow each other.
+    """
+    text = line.partition("#")[0]
+    words = text.split()
+    if re.search(r"[=\[\]{}<>;]|\w\(", text) or len(words) < 3:
+        return False
+    if words[0] == "foreach" or not re.match(r"[(\w-]", words[0]):
+        return False
+    is_statement = words[0] in {*keyword.kwlist, "print"}
+    if is_statement and not text.rstrip().endswith((".", "!")):
+        return False
+    plain = [re.fullmatch(_WORD, word) is not None for word in words]
+    # Words with a comma after them also follow each other in code.
+    pairs = sum(
+        re.fullmatch(_WORD, second) is not None
+        and first.isalpha()
+        and not {first, second.rstrip(".,:!?")} & {*keyword.kwlist}
+        for first, second in pairwise(words)
+    )
+    is_sentence = all(plain) and len(words) > 3 and "," not in text
+    return pairs >= (1 if is_sentence else 2) and sum(plain) >= 0.7 * len(words)
 
 
 def _hint_in_table(table: str, message: str, line: str) -> str:
@@ -70,6 +107,10 @@ def _character_hint(character: str) -> str:
     meant = next((text for signs, text in _TABLES["characters"] if character in signs), "")
     # Full-width characters of East Asian keyboards have a plain form.
     plain = unicodedata.normalize("NFKC", character)
+    value = unicodedata.numeric(character, None)
+    if not meant and value is not None and not plain.isascii():
+        # A fraction like ½, or a digit of another script.
+        meant = f"{value:g}, with the digits 0 to 9"
     if not meant and plain.isascii() and len(plain) == 1:
         meant = f"{plain}, with the keyboard set to English"
     instead = f"instead of {character} write {meant}."
@@ -100,3 +141,17 @@ def newer_python_hint(error: SyntaxError) -> str:
         f"in Python 3.12, which ROS 2 Jazzy has, {rule}. Here Python {here} runs: install the kit "
         "with Python 3.12, or write the line for both."
     )
+
+
+# Letters of other alphabets that look like Latin ones.
+_LOOK_ALIKES = "аеорсухіјѕԁһАВЕКМНОРСТУХІЈЅΑΒΕΖΗΙΚΜΝΟΡΤΥΧο"  # noqa: RUF001
+
+
+def foreign_letter(text: str) -> str:
+    """Return the statement that a word mixes Latin letters with one that looks Latin, or ""."""
+    for word in re.findall(r"\w+", text):
+        foreign = next((letter for letter in word if letter in _LOOK_ALIKES), "")
+        if foreign and re.search("[A-Za-z]", word):
+            alphabet = unicodedata.name(foreign).partition(" ")[0].capitalize()
+            return f"the letter {foreign} in {word} is {alphabet} and only looks like a Latin one"
+    return ""

@@ -4,15 +4,19 @@ ROS's errors state the type that the field needs, but not the value that was pas
 the frame that raised the error.
 """
 
+import linecache
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from traceback import walk_tb
 from types import BuiltinFunctionType, FunctionType, MethodType
 from typing import Any
 
 import numpy as np
 
-from course_lib.errors import join_words
+from course_lib.errors import format_count, join_words
 from course_lib.ros import near_names
+from course_lib.ros.messages.definitions import FieldDefinition, definition, type_names
+from course_lib.ros.near_names import is_own_file
 
 # The hint for None in a field of text, and in another one.
 _NONE_VALUE = (
@@ -52,16 +56,33 @@ def value_hint(error: BaseException, text: str) -> str:
     if name == "ParameterValue":
         return "a ParameterValue can hold any type. The value itself is `self.get_parameter('a_name').value`."
     if hasattr(type(value), "get_fields_and_field_types"):
-        fields = type(value).get_fields_and_field_types()
-        fitting = [one for one, of in fields.items() if of.rpartition("/")[2] == kind]
-        if fitting:
-            return f"this is a {name}: take its field {fitting[0]}."
-        if is_number and fields:
-            return f"this is a {name}: take one of its fields, {join_words(list(fields))}."
-        if set(fields) == {"x", "y", "z"} and kind in ("Point", "Vector3"):
-            return f"this is a {name}: `{kind}(x=v.x, y=v.y, z=v.z)` has its numbers, where v is the {name}."
-        return ""
+        return _message_value_hint(value, kind)
     return _nested_message_hint(value, kind, re.match(r"The '(\w+)' field", text))
+
+
+def _message_value_hint(value: Any, kind: str) -> str:
+    """Return the hint for a field to which a message of another type is assigned, or ""."""
+    name, is_number = type(value).__name__, kind in ("float", "int")
+    fields = type(value).get_fields_and_field_types()
+    fitting = [one for one, of in fields.items() if of.rpartition("/")[2] == kind]
+    if fitting:
+        return f"this is a {name}: take its field {fitting[0]}."
+    holders = [field.name for field in _fields_of(kind) if field.base.endswith(f"/{name}")]
+    if holders:
+        return f"this is a {name}: set it as {holders[0]} of the {kind}, pose.{holders[0]} = …."
+    if is_number and fields:
+        return f"this is a {name}: take one of its fields, {join_words(list(fields))}."
+    if set(fields) == {"x", "y", "z"} and kind in ("Point", "Vector3"):
+        copy = f"`{kind}(x=v.x, y=v.y, z=v.z)`"
+        return f"this is a {name}: {copy} has its numbers, where v is the {name}."
+    return ""
+
+
+def _fields_of(kind: str) -> Sequence[FieldDefinition]:
+    """Return the fields of the likeliest message type of this name, or []."""
+    types = [name for name in type_names() if name.endswith(f"/msg/{kind}")]
+    types = near_names.sort_by_likelihood(types)
+    return definition(types[0]).fields if types else []
 
 
 def _nested_message_hint(value: object, kind: str, field: re.Match[str] | None) -> str:
@@ -72,6 +93,9 @@ def _nested_message_hint(value: object, kind: str, field: re.Match[str] | None) 
     if kind == "Header" and isinstance(value, str):
         frame = value if re.fullmatch(r"[\w/]{1,40}", value) else "map"
         return f"a header has a stamp and a frame: `message.header.frame_id = {frame!r}`."
+    if kind in ("Pose", "Transform") and not hasattr(value, "__dict__"):
+        names = [field.name for field in _fields_of(kind)]
+        return f"a {kind} has {join_words(names)}: set their numbers, like {names[0]}.x = 1.0."
     items: Any = value.ravel() if isinstance(value, np.ndarray) else value
     numbers: list[Any] = list(items) if isinstance(items, list | tuple | np.ndarray) else [items]
     names = _NUMBERS_OF.get(kind, "")
@@ -112,7 +136,9 @@ def _number_hint(value: object, kind: str, text: str) -> str:
         return f"this is numpy's {name}: convert it with {kind}(…)."
     if isinstance(value, str) and not re.search("'(type|action)' field", text):
         return f"this is the string {value!r}: remove the quotes, or convert it with {kind}(…)."
-    if isinstance(value, list | np.ndarray) and np.size(value) != 1:
+    # numpy cannot measure a list whose items differ in length.
+    count = value.size if isinstance(value, np.ndarray) else 1
+    if count != 1 or (isinstance(value, list) and len(value) != 1):
         return f"this is a list of {len(value)} items, but the field takes one: select it, like [0]."
     if isinstance(value, list | np.ndarray | complex):
         return f"this is of type {name}, but the field takes one number: print it."
@@ -190,6 +216,92 @@ def _item_hint(index: int, item: Any, text: str) -> str:
     if is_nested and (plain_type or not all(isinstance(one, int | float) for one in item)):
         return f"item {index} is a list in the list: does it have [ ] of its own, or is a * missing?"
     return ""
+
+
+def missing_comma_hint(error: BaseException, text: str) -> str:
+    """Return the hint for items without a comma between them, like [(1, 2) (3, 4)], or ""."""
+    is_call = re.match(r"'(tuple|list|set|dict)' object is not callable", text)
+    is_index = re.match(r"(tuple|list) indices must be integers or slices, not (tuple|list)", text)
+    if not isinstance(error, TypeError) or not (is_call or is_index):
+        return ""
+    found = re.search(r"[\d.\"'][)\]]\s*([(\[])[-\d.\"']", near_names.line_of_student(error))
+    return f"a comma is missing between two items, before {found[1]}." if found else ""
+
+
+def range_hint(error: BaseException, text: str) -> str:
+    """Return the hint for range( ) of a list, or ""."""
+    match = re.search(r"\brange\(\s*([\w.]+)\s*\)", near_names.line_of_student(error))
+    is_list = re.match(r"'(list|tuple|dict|str)' object cannot be interpreted", text)
+    if match is None or is_list is None:
+        return ""
+    return f"range takes a number: range(len({match[1]})) gives the indices of {match[1]}."
+
+
+def index_hint(error: BaseException) -> str:
+    """Return the hint for an index behind the end of a list, with the numbers, or ""."""
+    frame, line = near_names.frame_of(error), near_names.line_of_student(error)
+    if frame is None or not isinstance(error, IndexError):
+        return ""
+    names = {**frame.f_globals, **frame.f_locals}
+    for holder, index in re.findall(r"\b((?:self\.)?\w+)\[([\w\s+-]+)\]", line):
+        first, _, attribute = holder.partition(".")
+        items = names.get(first)
+        if attribute:
+            items = getattr(items, "__dict__", {}).get(attribute)
+        value = _value_of(index, names)
+        if not isinstance(items, list | tuple | str | np.ndarray) or value is None:
+            continue
+        count = len(items)
+        if -count <= value < count:
+            continue
+        if not count:
+            return f"{holder} is empty here: test this first, with if len({holder}) == 0."
+        number = index if index == str(value) else f"{index}, which is {value}"
+        last = f"{format_count(count, 'item')}, from [0] to [{count - 1}]"
+        return f"{holder} has {last}, so not [{number}]."
+    return ""
+
+
+def _value_of(index: str, names: Mapping[str, Any]) -> int | None:
+    """Return the value of an index like "number + 1", or None if it is not a sum of numbers."""
+    total = 0
+    for sign, term in re.findall(r"([+-]?)\s*(\w+)", index):
+        value = int(term) if term.isdecimal() else names.get(term)
+        if not isinstance(value, int | np.integer):
+            return None
+        total += -int(value) if sign == "-" else int(value)
+    return total
+
+
+# Methods that change their object, and functions that only write, both of which return None.
+_WITHOUT_RESULT = r"\w+\.(?:append|extend|insert|remove|reverse|sort|update|add|shuffle)|print"
+
+
+def none_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a variable that is None because its function returns nothing, or "".
+
+    The assignment may be above the failing line: `corners = corners.append(corner)`.
+    """
+    frame = near_names.frame_of(error)
+    if frame is None or "NoneType" not in text:
+        return ""
+    for line in lines_above(error):
+        found = re.match(rf"\s*(\w+)\s*=\s*({_WITHOUT_RESULT})\(", line)
+        if found and found[1] in frame.f_locals and frame.f_locals[found[1]] is None:
+            name, call = found[1], found[2]
+            if call == "print":
+                return f"print(…) returns None: leave out print, as in {name} = 1.0."
+            return f"{call}(…) changes its object and returns None: leave out {name} = before it."
+    return ""
+
+
+def lines_above(error: BaseException) -> Iterator[str]:
+    """Yield the lines of the student's failing function from the failing one upwards."""
+    own = [step for step in walk_tb(error.__traceback__) if is_own_file(step[0].f_code.co_filename)]
+    if own:
+        frame, number = own[-1]
+        lines = linecache.getlines(frame.f_code.co_filename)
+        yield from reversed(lines[frame.f_code.co_firstlineno - 1 : number])
 
 
 def append_hint(error: BaseException, text: str) -> str:

@@ -1,4 +1,5 @@
 import importlib
+import linecache
 import re
 import sys
 from collections.abc import Callable
@@ -14,7 +15,7 @@ from course_lib.course.state import exercises_dir, student_state
 from course_lib.errors import CourseError
 from course_lib.grading import expect_value, inputs, my
 from course_lib.grading.advice import Advice, call_note
-from course_lib.grading.check import CheckFailedError, check, next_step
+from course_lib.grading.check import CheckFailedError, check, next_step, stale_note
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER
 from course_lib.grading.records import CheckResult, TaskResult
@@ -42,6 +43,27 @@ def red_cube(right: str) -> Callable[..., Any]:
         return names["RedCubeNode"]
 
     return make
+
+
+@pytest.mark.parametrize(
+    ("newest", "is_stale"),
+    [
+        ("def area(a, b):\n    return a * b\n", False),
+        ("%matplotlib inline\ndef area(a, b):\n    return a * b\n", False),
+        ("Sure! Here it is:\n\ndef area(a, b):\n    return a * b\n", True),
+        ("import numpi\n\ndef area(a, b):\n    return a + b\n", True),
+        ("def length(a):\n    return a\n", False),
+    ],
+)
+def test_failed_newest_definition_of_the_object_is_reported(newest: str, is_stale: bool) -> None:
+    cell = "def area(a, b):\n    return a * b\n"
+    linecache.cache["cell1.py"] = (len(cell), None, cell.splitlines(keepends=True), "cell1.py")
+    names: dict[str, Any] = {}
+    exec(compile(cell, "cell1.py", "exec"), names)
+    notes = stale_note(names["area"], [cell, newest])
+    assert [note.startswith("Hint: The newest cell with area ended with") for note in notes] == [
+        True
+    ] * is_stale
 
 
 def test_full_public_score_announces_the_hidden_checks(

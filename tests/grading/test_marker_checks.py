@@ -388,7 +388,7 @@ def test_empty_arrays_are_reported(evidence: MakeEvidence) -> None:
         ("person (0.95)", ": upper and lower case differ"),
         ("Person (0.950)", ": the digits of the number differ"),
         ("Person 0.95", ": the punctuation around the words differs"),
-        ("{label} (0.95)", ": write f before the quotes of the string"),
+        ("{label} (0.95)", ": is f missing before the quotes of the string, or is a brace doubled?"),
         ("Car (0.95)", ""),
     ],
 )

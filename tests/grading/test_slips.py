@@ -22,6 +22,51 @@ def method(*lines: str) -> str:
 
 
 SLIPS = [
+    (("for item in items:", "    continue", "    print(item)"), '"print(item)" comes after "continue"'),
+    (
+        ("if x != math.nan:", "    return 1"),
+        '"x != math.nan" is always true. Use math.isnan(x)',
+    ),
+    (
+        ("place = np.zeros((4, 4))", "place = place @ turn", "return place"),
+        '"place = np.zeros((4, 4))": a product that begins with 0 stays 0. Begin with np.eye',
+    ),
+    (
+        ("names = ['pan']", "names += 'lift'", "return names"),
+        "\"names += 'lift'\" adds each letter of the string as an item: write names.append('lift')",
+    ),
+    (
+        ("for turn in turns:", "    place = np.eye(4)", "    place = place @ turn", "return place"),
+        '"place = np.eye(4)" in the loop runs for each item: move it before the loop',
+    ),
+    (
+        ("self.timer.timer_period_ns = 1 / rate",),
+        '"self.timer.timer_period_ns = 1 / rate": in nanoseconds this is int((1 / rate) * 1e9)',
+    ),
+    (
+        ("q.w, q.x, q.y, q.z = quaternion_from_euler(0, 0, yaw)",),
+        '"q.w, q.x, q.y, q.z = quaternion_from_euler(0, 0, yaw)": the order of ROS is x, y, z, w',
+    ),
+    (
+        ("marker.pose.orientation.z = yaw",),
+        '"marker.pose.orientation.z = yaw": a quaternion has no angle in z. A turn by yaw about z is',
+    ),
+    (
+        ("marker.pose.orientation.z = math.sin(yaw) / 2",),
+        '"marker.pose.orientation.z = math.sin(yaw) / 2" divides the sin by 2',
+    ),
+    (
+        ("x = math.sin(degrees / 2)", "return x"),
+        '"math.sin(degrees / 2)": sin takes radians, and degrees is in',
+    ),
+    (
+        ("yaw = math.degrees(heading)", "x = math.cos(yaw)", "return x"),
+        '"math.cos(yaw)": cos takes radians, and yaw is in degrees',
+    ),
+    (
+        ("marker.header.frame_id = 'm\u0430p'",),
+        "the letter \u0430 in m\u0430p is Cyrillic and only looks like a Latin",
+    ),
     (("self.tick = 1",), '"self.tick = 1" replaces the method tick, which cannot be called any more'),
     (("return SetParametersResult()",), "SetParametersResult() rejects the values, without a reason"),
     (("period = 1 // self.rate", "return period"), '"1 // self.rate" is 0 for every number above 1'),
@@ -600,6 +645,54 @@ def test_arguments_in_another_order_than_the_parameters_are_reported(call: str, 
     source = f"def move(size, angle):\n    return {call}\n\ndef swing(size, angle):\n    return size * angle"
     expected = f'"{call}" passes its values in another order than def swing(size, angle).' if is_slip else ""
     assert find_slip(source) == expected
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        (
+            "self.timer.timer_period = 1 / rate",
+            "the period is timer_period_ns, in nanoseconds. Or destroy the timer and create a new one",
+        ),
+        (
+            "self.timer.frequency = rate",
+            "the period is timer_period_ns, in nanoseconds. Or destroy the timer and create a new one",
+        ),
+        ("self.publisher.topic = '/lamp'", "topic, type and QoS are arguments of create_publisher"),
+        ("self.timer.callback = self.other", ""),
+        ("self.timer.count = 1\n        print(self.timer.count)", ""),
+    ],
+)
+def test_attribute_that_rclpy_does_not_read_is_reported(line: str, sentence: str) -> None:
+    source = method(line).replace(
+        "self.angle = 0.0",
+        "self.timer = self.create_timer(1.0, self.tick)\n"
+        "        self.publisher = self.create_publisher(Marker, '/a', 10)",
+    )
+    assert bool(find_slip(source)) == bool(sentence)
+    assert find_slip(source).endswith(
+        f"sets an attribute that ROS does not read: {sentence}." if sentence else ""
+    )
+
+
+def test_value_of_a_callback_that_nothing_reads_is_reported() -> None:
+    source = method("self.rate = parameter.value").replace(
+        "self.angle = 0.0", "self.add_post_set_parameters_callback(self.tick)"
+    )
+    assert find_slip(source).startswith('"self.rate = parameter.value" keeps a value that no line reads')
+
+
+def test_replaced_stamp_of_a_received_message_is_reported() -> None:
+    source = method("message.header.stamp = self.get_clock().now().to_msg()", "self.p.publish(message)")
+    source = source.replace("tick(self)", "tick(self, message)").replace(
+        "self.angle = 0.0", "self.create_subscription(Marker, '/a', self.tick, 10)"
+    )
+    assert "replaces the time at which message was made" in find_slip(source)
+
+
+def test_radians_of_an_angle_in_radians_are_questioned() -> None:
+    source = "def turned(x, yaw):\n    yaw = math.radians(yaw)\n    return x * math.cos(yaw)\n"
+    assert find_slip(source).startswith('"yaw = math.radians(yaw)": angles are in radians here')
 
 
 def test_loop_of_a_function_that_never_spins_its_node_is_reported() -> None:

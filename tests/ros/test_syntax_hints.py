@@ -21,6 +21,8 @@ COMMENT = "a comment begins with #."
 NOT = "the operator ! is called not: `not (a == b)`."
 LAMBDA = "a function in an expression is `lambda x: x + 1`."
 # Code of a student, and the hint.
+PROSE = "this line is text and not code: delete it, or begin it with # as a comment."
+ZIP = "zip pairs the items of two lists: `[a * b for a, b in zip([1, 2], [3, 4])]`."
 SYNTAX = [
     (
         "def area(width height):\n    pass",
@@ -31,7 +33,7 @@ SYNTAX = [
         "the $ is the prompt of a terminal: leave it out. In a cell a command of ROS begins with "
         "a percent sign, %ros2 ….",
     ),
-    ("my-node = 3", "a name contains no -: if this is one name, write my_node."),
+    ("my-node = 3", "a name cannot contain -: if this is one name, write my_node."),
     ("a = \u201cmap\u201d", f"instead of \u201c {QUOTES}"),
     ("a = \u2018map\u2019", f"instead of \u2018 {QUOTES}"),
     ("a = \u20131.0", "instead of \u2013 write the minus sign of the keyboard, -."),
@@ -138,14 +140,31 @@ SYNTAX = [
     ("a = 1  // the first number", COMMENT),
     ("/* the next step */", COMMENT),
     ("a = 1 % the first number", COMMENT),
-    ("This is the next step.", "if this line is a comment, begin it with #."),
+    ("This is the next step.", PROSE),
+    ("Sure! Here is the corrected function:", PROSE),
+    ("Copy the lines of side_view, and change them.", PROSE),
+    ("It's the robot's arm", PROSE),
+    ("def f():\n    f is empty: copy the lines of g, and change them.", PROSE),
+    ("def f():\n    return red, green blue, alpha", ""),
+    ("a = O.5", "this is a letter and not a digit: type the 0 or the 1 again."),
+    ("a = 0·5", "a decimal number has a point, 0.5: instead of · write the point of the keyboard."),
+    ("a = ½", "instead of ½ write 0.5, with the digits 0 to 9."),
+    ("a = \u0665", "instead of \u0665 write 5, with the digits 0 to 9."),
+    ("def f(a):\n    global a", "a parameter belongs to its function already: leave out the line."),
+    (
+        "def f():\n    nonlocal a",
+        "nonlocal is for a function inside another one. A node keeps a value in an attribute, like "
+        "self.count.",
+    ),
+    ("a = max(y - x for x, y in times, times[1:])", ZIP),
+    ("a = [x + y for x, y in (b.x, b.y), c]", ZIP),
     ("std::cout << a", "`print(x)` writes a value."),
     ("throw new Error('a')", 'an exception is raised with `raise ValueError("too large")`.'),
     ("try:\n    a = 1\ncatch KeyError:\n    a = 2", "the word is except, as in except KeyError: …."),
     ("If a:\n    b = 1", "the keywords of Python are written in lower case."),
     ("Marker a = Marker()", "a variable has no type in front of it: a = …."),
     ("double[] a = {1.0}", "a variable has no type in front of it: a = …."),
-    ("frame rate = 5.0", "a name contains no space: if this is one name, write frame_rate."),
+    ("frame rate = 5.0", "a name cannot contain a space: if this is one name, write frame_rate."),
     ("if !a:\n    b = 1", NOT),
     ("a = !(b == 1)", NOT),
     ("if a ~= 1:\n    b = 1", "the operator is written !=."),
@@ -163,7 +182,7 @@ SYNTAX = [
     ("node.create_publisher(Bool, /light, 10)", 'the name of a topic is in quotes: `"/robot/scan"`.'),
     ("a = [1, 2; 3, 4]", "a matrix is a list of lists: `[[1.0, 2.0], [3.0, 4.0]]`."),
     ("a = b .* c", "numpy's arrays need no dot: `a * b` multiplies each item."),
-    ("a = {rate = 5.0}", 'a dictionary has colons, and its keys are in quotes: `{"rate": 5.0}`.'),
+    ("a = {rate = 5.0}", 'write a dictionary with colons, and its keys in quotes: `{"rate": 5.0}`.'),
     ("Point(x: 1.0)", "an argument is passed with =, not with a colon: `Point(x=1.0)`."),
     ("a = 5 m", "a unit goes into a comment, `1.0  # [m]`; a product has a star, `2 * 3`."),
     ("a(1) = 3", "( ) calls a function. An item is in [ ], as in a[0], and the first one has the index 0."),

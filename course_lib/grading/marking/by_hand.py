@@ -179,7 +179,7 @@ def _find_task(name: str, tasks: Collection[str], of: str) -> str:
     """
     if not tasks:
         raise CourseError(
-            f"{of} has no tasks that were graded; gradebook.csv has the reason. Points for the "
+            f"{of} has no graded tasks; gradebook.csv states the reason. Points for the "
             "whole exercise, for paper or an oral exam: course mark OUT STUDENT EXERCISE POINTS "
             "--without-file"
         )

@@ -750,7 +750,7 @@ def _compare_text(marker: Any, expected: str, _: float) -> Iterator[str]:
         }
         causes = [cause for cause, view in views.items() if view(text) == view(expected)]
         if "{" in text:
-            causes = ["write f before the quotes of the string"]
+            causes = ["is f missing before the quotes of the string, or is a brace doubled?"]
         yield f" reads {marker.text!r}, expected {expected!r}" + "".join(f": {why}" for why in causes[:1])
 
 

@@ -309,6 +309,8 @@ def expect_circling_frame(
             return [Problem(message, "a frame has the wrong parent")]
         other_frames = sorted({pose.child for pose in others})
         only = f", only of {', '.join(map(repr, other_frames[:MAX_NAMED]))}" if other_frames else ""
+        if any(frame.startswith("/") for frame in other_frames):
+            only += ": a frame of tf2 has no / in front"
         return [Problem(f"no transform of {frame!r} was published on /tf{only}", "a transform is missing")]
     strange = sorted({pose.parent for _, pose in poses} - {target})
     if strange:
@@ -574,7 +576,11 @@ def _check_state(state: Any, names: Sequence[str]) -> Iterator[Problem]:
     unknown = [name for name in state.name if name not in names]
     missing = [name for name in names if name not in state.name]
     if unknown:
-        message = f"the robot has no joint {join_words(unknown)}; missing: {join_words(missing) or 'none'}"
+        message = f"the robot has no joint {join_words(unknown)}"
+        if missing:
+            message += f"; missing: {join_words(missing)}"
+        if any(f"{first}{second}" in unknown for first, second in pairwise(names)):
+            message += " (is a comma missing between two strings?)"
         yield Problem(message, "the name of a joint is wrong")
     elif missing:
         yield Problem(f"a message lacks {join_words(missing)}", "the name of a joint is missing")

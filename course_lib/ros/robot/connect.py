@@ -164,9 +164,10 @@ def connect(
     linked = link_to(RobotAddress(router, domain, send, call), notebook=True)
     set_graph(linked)
     drive_between_cells(linked)
-    allowed_names = ", ".join(sorted([*send, *call])) or "nothing: read-only"
+    allowed_names = ", ".join(sorted([*send, *call]))
+    rule = f"Sending is allowed for {allowed_names}." if allowed_names else "The link is read-only."
     nodes = format_count(len(linked.nodes()), "node")
-    say(f"Linked to {linked.link.address}: {nodes}. Sending is allowed for: {allowed_names}.")
+    say(f"Linked to {linked.link.address}: {nodes}. {rule}")
 
 
 def disconnect() -> None:

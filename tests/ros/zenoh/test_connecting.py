@@ -236,7 +236,7 @@ def test_notebook_can_be_connected_and_disconnected(kits: Kits, capsys: pytest.C
         assert current_graph().notebook
         with pytest.raises(CourseError, match="is not linked"):
             disconnect()
-    assert f"Linked to {kits.address}: 1 node. Sending is allowed for: cmd_vel." in capsys.readouterr().out
+    assert f"Linked to {kits.address}: 1 node. Sending is allowed for cmd_vel." in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("notebook", "end"), [(False, "--send /cmd_vel"), (True, 'or send=["/cmd_vel"]')])

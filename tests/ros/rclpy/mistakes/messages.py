@@ -323,7 +323,7 @@ MESSAGES = [
     (
         "Marker().points = {Point()}",
         "TypeError: unhashable type: 'Point'",
-        "{ } makes a set or a dictionary, and a Point cannot be in it: a list has [ ].",
+        "{ } makes a set or a dictionary, which cannot contain a Point: use [ ] for a list.",
     ),
     (
         "from sensor_msgs.msg import JointState\nJointState().position.append([0.1, 0.2])",

@@ -18,6 +18,36 @@ def undefined(name: str) -> str:
 # (program, last line of the error, hint below it)
 NAMES = [
     (
+        "class Robot(Node):\n    timer = create_timer(1.0, print)",
+        undefined("create_timer"),
+        "write self.create_timer(…) in def __init__: it is a method of a node.",
+    ),
+    (
+        "class Robot(rclpy.node):\n    pass",
+        "TypeError: module() takes at most 2 arguments (3 given)",
+        "rclpy.node is a module: write Node in ( ), as in class Robot(Node): ….",
+    ),
+    (
+        "marker = Marker()\nm\u0430rker.id = 1",
+        undefined("m\u0430rker"),
+        "the letter \u0430 in m\u0430rker is Cyrillic and only looks like a Latin one: type the name again.",
+    ),
+    (
+        "speed == 3.0 * 2.0",
+        undefined("speed"),
+        "== compares. To set a value, write a single =, as in speed = 1.0.",
+    ),
+    (
+        "def draw():\n    worl = 'map'\n    print('world')\n    return [world]\ndraw()",
+        undefined("world"),
+        'did you mean the variable worl, or the string "world" with quotes?',
+    ),
+    (
+        ROBOT.format(line="self.publisher.send(String())"),
+        "AttributeError: 'Publisher' object has no attribute 'send'",
+        "a publisher sends a message with publish(): `self.publisher.publish(message)`.",
+    ),
+    (
         "from vision_msgs.msg import BoundingBox3D\nBoundingBox3D().dimensions",
         "AttributeError: 'BoundingBox3D' object has no attribute 'dimensions'",
         "did you mean `size`? `%ros2 interface show vision_msgs/msg/BoundingBox3D` lists its fields.",
@@ -35,7 +65,7 @@ NAMES = [
     (
         "rclpy.publish(String())",
         "AttributeError: module 'rclpy' has no attribute 'publish'",
-        "a publisher has publish(): `self.publisher.publish(message)`.",
+        "publish() is a method of a publisher: `self.publisher.publish(message)`.",
     ),
     (
         "def helped():\n    return 1\n" + ROBOT.format(line="self.helped()"),
@@ -228,8 +258,8 @@ NAMES = [
     (
         "rclpy.init_node('a')",
         "AttributeError: module 'rclpy' has no attribute 'init_node'",
-        "`rclpy.init()` comes first; then an object of your class, "
-        "whose `super().__init__('a_name')` sets the node's name.",
+        "call `rclpy.init()` first, then create an object of your class, in which "
+        "`super().__init__('a_name')` names the node.",
     ),
     (
         "rclpy.get_time()",
@@ -259,7 +289,7 @@ NAMES = [
     (
         "node.publish(String())",
         "AttributeError: 'Node' object has no attribute 'publish'",
-        "a publisher has publish(): `self.publisher.publish(message)`.",
+        "publish() is a method of a publisher: `self.publisher.publish(message)`.",
     ),
     (
         "node.spin()",

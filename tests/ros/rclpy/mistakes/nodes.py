@@ -105,7 +105,8 @@ NODES = [
     (
         "node.create_timer(0.1, print('tick'))\nrclpy.spin(node)",
         "TypeError: 'NoneType' object is not callable",
-        "pass the function itself, without (): `self.tick`, not self.tick().",
+        "pass the function itself, without (): `self.tick`, not self.tick(). A method with @property is "
+        "called, too.",
     ),
     (
         "node.create_timer(-0.1, lambda: None)",

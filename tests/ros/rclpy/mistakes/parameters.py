@@ -3,10 +3,17 @@
 # (program, last line of the error, hint below it)
 PARAMETERS = [
     (
+        "def limit(parameters):\n    raise ValueError('too fast')\n"
+        "node.declare_parameter('speed', 1.0)\nnode.add_on_set_parameters_callback(limit)\n"
+        "node.set_parameters([rclpy.parameter.Parameter('speed', value=2.0)])",
+        "ValueError: too fast",
+        "an exception in this callback ends the node. To reject the value, write `return "
+        "SetParametersResult(successful=False, reason='too large')`.",
+    ),
+    (
         "Parameter('speed', value=1.0).value = 2.0",
         "AttributeError: property 'value' of 'Parameter' object has no setter",
-        "a parameter cannot be changed this way: in a callback accept or reject it, elsewhere call "
-        "self.set_parameters([…]).",
+        "accept or reject the new value in the callback; elsewhere call self.set_parameters([…]).",
     ),
     (
         "node.declare_parameter('speed', 1)\nnode.declare_parameter('speed', 2)",

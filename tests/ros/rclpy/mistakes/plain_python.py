@@ -48,7 +48,7 @@ PLAIN_PYTHON = [
     (
         "{1.0, 2.0}[0]",
         "TypeError: 'set' object is not subscriptable",
-        "{ } with single values makes a set, which has no order and no [ ]: a list has [ ].",
+        "{ } around single values makes a set, which has no order: use [ ] for a list.",
     ),
     (
         "filter(bool, [1, 2])[:1]",
@@ -165,7 +165,103 @@ PLAIN_PYTHON = [
         "the program waits for a line from the keyboard, and there is none here: run it in a "
         "terminal, or take the value from a parameter.",
     ),
-    ("[].pop()", "IndexError: pop from empty list", "the list is empty: check this first, with if values:."),
+    (
+        "[].pop()",
+        "IndexError: pop from empty list",
+        "each pop removes an item, and no item is left: loop over the list, or test first, with if values:.",
+    ),
+    (
+        "LAMPS = ['red', 'green']\nnumber = 1\nLAMPS[number + 1]",
+        "IndexError: list index out of range",
+        "LAMPS has 2 items, from [0] to [1], so not [number + 1, which is 2].",
+    ),
+    (
+        "topics = {'/scan': 'LaserScan'}\nfor topic, kind in topics.keys():\n    pass",
+        "ValueError: too many values to unpack (expected 2)",
+        "keys() gives only the keys: write topics.items().",
+    ),
+    (
+        "{'a': 1}.has_key('a')",
+        "AttributeError: 'dict' object has no attribute 'has_key'",
+        "write `'known' in {}`: in tests whether a dictionary has a key.",
+    ),
+    (
+        "markers = {}\nmarkers.append(1)",
+        "AttributeError: 'dict' object has no attribute 'append'",
+        "{ } is an empty dictionary, and an empty list is `[]`. A dictionary gets an entry by its key: "
+        "`dict()['known'] = 1.0`.",
+    ),
+    (
+        "markers = ()\nmarkers.append(1)",
+        "AttributeError: 'tuple' object has no attribute 'append'",
+        "a tuple, in ( ), cannot be changed: begin with a list, `items = []`.",
+    ),
+    (
+        "markers = None\nmarkers.append(1)",
+        "AttributeError: 'NoneType' object has no attribute 'append'",
+        "this is None, which has no append: begin with an empty list, `items = []`. append itself returns "
+        "None, so no = stands before it.",
+    ),
+    (
+        "markers = list\nmarkers.append(1)",
+        "TypeError: descriptor 'append' for 'list' objects doesn't apply to a 'int' object",
+        "list without ( ) is the class itself: an empty one is list().",
+    ),
+    (
+        "before = set()\nbefore['a'] = 1",
+        "TypeError: 'set' object does not support item assignment",
+        "set() has no keys: an empty dictionary is `{}`.",
+    ),
+    (
+        "' '.join(['Person', 0.95])",
+        "TypeError: sequence item 1: expected str instance, float found",
+        "join takes strings, and one item is of type float: an f-string converts it, `f'{speed:.2f} m/s'`.",
+    ),
+    (
+        "scores = []\nscores[0]",
+        "IndexError: list index out of range",
+        "scores is empty here: test this first, with if len(scores) == 0.",
+    ),
+    (
+        "corners = [(1.0, 1.0) (-1.0, 1.0)]",
+        "TypeError: 'tuple' object is not callable",
+        "a comma is missing between two items, before (.",
+    ),
+    (
+        "rows = [[1.0, 0.0] [0.0, 1.0]]",
+        "TypeError: list indices must be integers or slices, not tuple",
+        "a comma is missing between two items, before [.",
+    ),
+    (
+        "corners = [(1, 1)]\ncorners = corners.append((2, 2))\nfor x, y in corners:\n    pass",
+        "TypeError: 'NoneType' object is not iterable",
+        "corners.append(…) changes its object and returns None: leave out corners = before it.",
+    ),
+    (
+        "speed = print(1.0)\nspeed + 1.0",
+        "TypeError: unsupported operand type(s) for +: 'NoneType' and 'float'",
+        "print(…) returns None: leave out print, as in speed = 1.0.",
+    ),
+    (
+        "lamps = ['red']\nfor number in range(lamps):\n    pass",
+        "TypeError: 'list' object cannot be interpreted as an integer",
+        "range takes a number: range(len(lamps)) gives the indices of lamps.",
+    ),
+    (
+        "def turned(x):\n    return x\ndef place():\n    turned = 0\n    return turned(1)\nplace()",
+        "TypeError: 'int' object is not callable",
+        "turned = … is a variable here and hides the function turned: rename it.",
+    ),
+    (
+        "import math\nangle = 2 * math.pi * 0,25 * 3.0\nmath.sin(angle)",
+        "TypeError: must be real number, not tuple",
+        "a decimal number has a point, 0.5. With a comma, as in 0,25, these are two numbers.",
+    ),
+    (
+        "joints, angles = [1, 2, 3], [0.1, 0.2, 0.3]\nfor joint, angle in joints, angles:\n    pass",
+        "ValueError: too many values to unpack (expected 2)",
+        "zip pairs the items of two lists: write for joint, angle in zip(joints, angles).",
+    ),
     (
         "speed = 2.0\nspeed ^ 2.0",
         "TypeError: unsupported operand type(s) for ^: 'float' and 'float'",
@@ -189,8 +285,7 @@ PLAIN_PYTHON = [
     (
         "items = [1.0]\nitems = items.append(2.0)\nitems.append(3.0)",
         "AttributeError: 'NoneType' object has no attribute 'append'",
-        "append changes its object and returns None: write `items.append(item)` alone on the "
-        "line, without = before it.",
+        "items.append(…) changes its object and returns None: leave out items = before it.",
     ),
     (
         "from nav_msgs.msg import Path\nfor point in Path(): ...",
@@ -338,7 +433,7 @@ PLAIN_PYTHON = [
     (
         "joints = []\njoints(1.0)",
         "TypeError: 'list' object is not callable",
-        "a list takes [ ] instead of ( ).",
+        "select an item of a list with [ ], not with ( ).",
     ),
     (
         "import numpy as np\nnp.eye(4) @ [1.0, 2.0, 3.0]",
@@ -545,13 +640,13 @@ PLAIN_PYTHON = [
     (
         "text = '%s %.2f' % 'Car'",
         "TypeError: not enough arguments for format string",
-        "each % in the string needs one value, in ( ) with commas. An f-string has the names in it: "
+        "each % in the string needs one value, in ( ) with commas. An f-string contains the names: "
         "`f'{speed:.2f} m/s'`.",
     ),
     (
         "text = '{} {:.2f}'.format('Car')",
         "IndexError: Replacement index 1 out of range for positional args tuple",
-        "the string has more { } than format( ) has values. An f-string has the names in it: "
+        "the string has more { } than format( ) has values. An f-string contains the names: "
         "`f'{speed:.2f} m/s'`.",
     ),
     (
@@ -714,7 +809,7 @@ PLAIN_PYTHON = [
     (
         "[].add(1.0)",
         "AttributeError: 'list' object has no attribute 'add'",
-        "a list has append: `items.append(item)`.",
+        "the method of a list is append: `items.append(item)`.",
     ),
     (
         "[1.0].length",

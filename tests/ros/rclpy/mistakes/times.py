@@ -46,17 +46,17 @@ TIMES = [
     (
         "Time.now()",
         "AttributeError: type object 'Time' has no attribute 'now'",
-        "a clock has now(): `self.get_clock().now()`.",
+        "now() is a method of a clock: `self.get_clock().now()`.",
     ),
     (
         "node.get_clock().now().to_sec()",
         "AttributeError: 'Time' object has no attribute 'to_sec'",
-        "a Time of rclpy has nanoseconds: `self.get_clock().now().nanoseconds / 1e9` is the time in seconds.",
+        "rclpy's Time stores nanoseconds: `self.get_clock().now().nanoseconds / 1e9` is the time in seconds.",
     ),
     (
         "Duration(seconds=1.0).sec",
         "AttributeError: 'Duration' object has no attribute 'sec'",
-        "a Duration of rclpy has nanoseconds: `Duration(seconds=1.0).nanoseconds / 1e9` "
+        "rclpy's Duration stores nanoseconds: `Duration(seconds=1.0).nanoseconds / 1e9` "
         "is its length in seconds.",
     ),
     (

@@ -164,7 +164,7 @@ def _add(parsed: Arguments, flag: str, value: str) -> None:
     elif flag == "--log-level":
         logger, _, level = value.rpartition(":=")
         if level.upper() not in LoggingSeverity.__members__:
-            raise ValueError(f"{level!r} is none of debug, info, warn, error, fatal")
+            raise ValueError(f"{level!r} is not a level: expected debug, info, warn, error or fatal")
         parsed.log_levels[logger] = LoggingSeverity[level.upper()]
     else:
         rule = _RULE.fullmatch(value)
