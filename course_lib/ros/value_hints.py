@@ -94,8 +94,8 @@ def _nested_message_hint(value: object, kind: str, field: re.Match[str] | None) 
         frame = value if re.fullmatch(r"[\w/]{1,40}", value) else "map"
         return f"a header has a stamp and a frame: `message.header.frame_id = {frame!r}`."
     if kind in ("Pose", "Transform") and not hasattr(value, "__dict__"):
-        names = [field.name for field in _fields_of(kind)]
-        return f"a {kind} has {join_words(names)}: set their numbers, like {names[0]}.x = 1.0."
+        inner = [field.name for field in _fields_of(kind)]
+        return f"a {kind} has {join_words(inner)}: set their numbers, like {inner[0]}.x = 1.0."
     items: Any = value.ravel() if isinstance(value, np.ndarray) else value
     numbers: list[Any] = list(items) if isinstance(items, list | tuple | np.ndarray) else [items]
     names = _NUMBERS_OF.get(kind, "")
@@ -137,8 +137,7 @@ def _number_hint(value: object, kind: str, text: str) -> str:
     if isinstance(value, str) and not re.search("'(type|action)' field", text):
         return f"this is the string {value!r}: remove the quotes, or convert it with {kind}(…)."
     # numpy cannot measure a list whose items differ in length.
-    count = value.size if isinstance(value, np.ndarray) else 1
-    if count != 1 or (isinstance(value, list) and len(value) != 1):
+    if isinstance(value, list | np.ndarray) and (len(value) if isinstance(value, list) else value.size) != 1:
         return f"this is a list of {len(value)} items, but the field takes one: select it, like [0]."
     if isinstance(value, list | np.ndarray | complex):
         return f"this is of type {name}, but the field takes one number: print it."
