@@ -8,6 +8,7 @@ reads the records of MCAP and SQLite itself up to the damage.
 import hashlib
 import os
 import re
+import shutil
 import sqlite3
 import struct
 import sys
@@ -17,6 +18,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from course_lib.errors import CourseError, format_count
@@ -258,6 +260,7 @@ _DEFINITIONS = "SELECT topic_type, encoding, encoded_message_definition FROM mes
 _TEXT_ENCODINGS = ("ros2msg", "ros2idl", "unknown")
 # Without the index, because it may be incomplete.
 _MESSAGES = "SELECT timestamp, topic_id, data FROM messages NOT INDEXED"
+_STORAGES = {".mcap": "mcap", ".db3": "sqlite3"}
 
 
 # The name of the only serialization format that can be read, which is ROS 2's default.
@@ -429,7 +432,24 @@ def _text(data: bytes, at: int) -> tuple[str, int]:
     return data[at + 4 : end].decode(), end
 
 
+def _write_ahead_log(path: Path) -> Path | None:
+    """Return the file of messages that SQLite has not yet moved into a .db3 file, if any."""
+    log = path.with_name(f"{path.name}-wal")
+    return log if path.suffix == ".db3" and log.is_file() and log.stat().st_size else None
+
+
 def _sqlite(path: Path) -> Iterator[Sample]:
+    if log := _write_ahead_log(path):
+        # SQLite writes next to such a file even to read it, and the bag's folder may be read-only.
+        with TemporaryDirectory() as folder:
+            for source in (path, log):
+                shutil.copyfile(source, Path(folder, source.name))
+            yield from _sqlite_messages(Path(folder, path.name))
+    else:
+        yield from _sqlite_messages(path)
+
+
+def _sqlite_messages(path: Path) -> Iterator[Sample]:
     from rosbags.rosbag2.metadata import parse_qos
 
     database = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)
@@ -445,8 +465,11 @@ def _sqlite(path: Path) -> Iterator[Sample]:
         _check_format(path, name, serialization_format)
         topics[topic] = name, type_name, from_bag(parse_qos(qos_text))
     for stamp_ns, topic, cdr in database.execute(_MESSAGES):
+        # Beyond the end of a truncated file all columns are NULL, and this raises a KeyError.
         name, type_name, qos = topics[topic]
-        yield Sample(stamp_ns, name, type_name, cdr, qos, node=0)
+        # SQLite stores any type in any column.
+        if isinstance(stamp_ns, int) and isinstance(cdr, bytes):
+            yield Sample(stamp_ns, name, type_name, cdr, qos, node=0)
 
 
 # Name of the MCAP file. rosbags would use the folder's name and write it into the file.
@@ -498,7 +521,8 @@ def read_bag(folder: str | Path) -> Recording:
 
     path = Path(folder)
     _check_bag(path)
-    if is_data_file(path):
+    # rosbags does not read the logs of SQLite.
+    if is_data_file(path) or any(map(_write_ahead_log, data_files(path))):
         return _read_files(path, "")
     try:
         check_size(path / METADATA, MOST_TEXT)
@@ -541,7 +565,12 @@ def _describe_damage(bag: Path, error: Exception) -> str:
         return f"its {METADATA} is larger than {MOST_TEXT // 2**20} MB"
     # rosbags reads these entries before it opens the files.
     required = {"version", "storage_identifier", "topics_with_message_count", "message_count"}
-    if bag_metadata(bag).keys() >= required:
+    about = bag_metadata(bag)
+    if about.keys() >= required:
+        storages = {_STORAGES[file.suffix] for file in data_files(bag)}
+        stated = about["storage_identifier"]
+        if stated in _STORAGES.values() and stated not in storages:
+            return f"its {METADATA} states the storage {stated}, but its files are of {storages.pop()}"
         return "its files have bytes that were changed"
     return (
         f"its {METADATA} {'is malformed' if path.read_bytes().strip() else 'is empty'}. It should "

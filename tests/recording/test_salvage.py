@@ -1,6 +1,8 @@
 """Bags that were cut off open up to the last whole message, wherever the cut is."""
 
 import re
+import shutil
+import sqlite3
 import struct
 import tracemalloc
 from collections.abc import Iterator
@@ -488,3 +490,53 @@ def test_topic_with_another_qos_in_the_metadata_is_read_without_a_warning(
     assert metadata.read_text() != text
     assert len(read_bag(tmp_path / "bag").samples) == 1
     assert capsys.readouterr().err == ""
+
+
+def test_messages_in_the_log_of_sqlite_are_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    recording = make_recording(20)
+    file = write(recording, tmp_path / "bag", StoragePlugin.SQLITE3)
+    database = sqlite3.connect(file)
+    database.execute("PRAGMA journal_mode = WAL")
+    database.execute("DELETE FROM messages WHERE id > 10")
+    database.commit()
+    database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    rows = [(s.stamp_ns, i % 2 + 1, s.cdr) for i, s in enumerate(recording.samples)][10:]
+    database.executemany("INSERT INTO messages(timestamp, topic_id, data) VALUES (?, ?, ?)", rows)
+    database.commit()
+    # A recorder that is killed leaves the log, which SQLite removes when it ends.
+    shutil.copytree(tmp_path / "bag", tmp_path / "killed")
+    database.close()
+    for bag in (tmp_path / "killed", tmp_path / "killed" / file.name):
+        assert len(read_bag(bag).samples) == 20
+        assert is_beginning(read_bag(bag), recording)
+    assert capsys.readouterr().err == ""
+    assert not list((tmp_path / "killed").glob("*-journal"))
+
+
+@pytest.mark.parametrize("change", ["data = NULL", "timestamp = 'soon'", "data = 'text'"])
+def test_rows_of_sqlite_that_are_not_messages_are_left_out_with_a_warning(
+    change: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    recording = make_recording(10)
+    file = write(recording, tmp_path / "bag", StoragePlugin.SQLITE3)
+    database = sqlite3.connect(file)
+    # A table without the conditions of rosbag2's.
+    database.execute("CREATE TABLE copied AS SELECT * FROM messages")
+    database.execute("DROP TABLE messages")
+    database.execute("ALTER TABLE copied RENAME TO messages")
+    database.execute(f"UPDATE messages SET {change} WHERE id = 3")
+    database.commit()
+    database.close()
+    assert len(read_bag(tmp_path / "bag").samples) == 9
+    assert "damaged" in capsys.readouterr().err
+
+
+def test_storage_that_differs_from_the_files_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(make_recording(5), tmp_path / "bag", StoragePlugin.MCAP)
+    metadata = tmp_path / "bag/metadata.yaml"
+    metadata.write_text(metadata.read_text().replace(": mcap", ": sqlite3"))
+    assert len(read_bag(tmp_path / "bag").samples) == 5
+    stated = "its metadata.yaml states the storage sqlite3, but its files are of mcap"
+    assert stated in capsys.readouterr().err
