@@ -112,6 +112,9 @@ def test_urdf_file_error_includes_the_line(write: Write, body: str, expected: st
         ("bool x maybe", "line 1: 'maybe' is not a value of the type bool."),
         ("float64 x 1,5", "line 1: '1,5' is not a value of the type float64."),
         ("# a\nint32 x\nint32 x", "line 3: the field 'x' is already defined above."),
+        ("int32 A=1\nint32 A=2", "line 2: the constant 'A' is already defined above."),
+        ("int32[-1] x", "line 1: a size in 'int32[-1]' is less than 1. For an array of any"),
+        ("string<=0 x", "line 1: a size in 'string<=0' is less than 1."),
         ("int32 class", "line 1: 'class' is a keyword of Python"),
         ("\nint3 x", "line 2, field x: No message type"),
     ],
@@ -122,6 +125,15 @@ def test_interface_file_error_includes_the_line(write: Write, message: str, expe
     output = errors_of("run", "p.py")
     assert f"wrong_msgs/msg/A.msg, {expected}" in output
     assert "importlib" not in output
+    assert "course_lib/" not in output
+
+
+def test_message_that_contains_itself_is_rejected(write: Write) -> None:
+    write("wrong_msgs/msg/A.msg", "B[] inner\n")
+    write("wrong_msgs/msg/B.msg", "A[] outer\n")
+    write("p.py", "from wrong_msgs.msg import A\n")
+    output = errors_of("run", "p.py")
+    assert "wrong_msgs/msg/A.msg: wrong_msgs/msg/A contains itself, so no message" in output
     assert "course_lib/" not in output
 
 

@@ -5,7 +5,7 @@ The fields come from rosbags' type store and from the kit's interface files.
 
 import math
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
@@ -140,6 +140,7 @@ def add_package(folder: Path, name: str = "") -> None:
                 unknown = f"No message type {field.base!r} here{_describe_unknown(field.base)}"
                 raise CourseError(f"{place}: {unknown}")
             used[file].add(field.base)
+    _reject_recursion(types_by_file)
     # Types that contain an unsupported type, at any depth.
     count = -1
     while count != len(UNSUPPORTED):
@@ -148,6 +149,23 @@ def add_package(folder: Path, name: str = "") -> None:
             if reason := next((UNSUPPORTED[base] for base in sorted(bases & UNSUPPORTED.keys())), ""):
                 for name in types_by_file[file]:
                     UNSUPPORTED.setdefault(name, reason)
+
+
+def _reject_recursion(types_by_file: Mapping[Path, Sequence[str]]) -> None:
+    """Raise a CourseError if a type has a field of its own type, at any depth."""
+    for file, name in ((file, name) for file, names in types_by_file.items() for name in names):
+        inside, waiting = set[str](), [name]
+        while waiting:
+            fields = _parse_definition(waiting.pop()).fields
+            bases = {field.base for field in fields if field.is_message}
+            # A wide string is no type of the store.
+            waiting += (bases - inside) & field_definitions().keys()
+            inside |= bases
+        if name in inside:
+            raise CourseError(
+                f"{file}: {name} contains itself, so no message of it would end. "
+                "Remove the field, or send the inner messages on a topic of their own."
+            )
 
 
 def _check_files(folder: Path) -> list[Path]:

@@ -84,6 +84,8 @@ _FIELD = re.compile(
     r"\s*(?P<type>[\w/]+(<=\d+)?(\[(<=)?\d*\])?)\s+(?P<name>\w+)"
     rf"(\s+(?P<default>{_QUOTED}|[^\s#=\"'][^#]*?))?\s*(#.*)?"
 )
+# The bound of a string, and the size or bound of an array.
+_SIZES = re.compile(r"\s*[\w/]+(?:<=(-?\d+))?(?:\[(?:<=)?(-?\d+)\])?\s")
 _CONSTANT = re.compile(r"\s*(?P<type>\w+)\s+(?P<name>[A-Z]\w*)\s*=\s*(?P<default>[^#]*?)\s*(#.*)?")
 _INTEGERS: dict[str, tuple[int, int]] = {
     **{f"int{bits}": (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) for bits in (8, 16, 32, 64)},
@@ -248,22 +250,32 @@ def check_lines(text: str, source: str) -> None:
         field = _FIELD.fullmatch(line)
         if line.startswith("---"):
             names.clear()
+        place = f"{source}, line {number}"
         if field is not None:
-            place = f"{source}, line {number}"
-            name = field["name"]
-            if not re.fullmatch(_FIELD_NAME, name):
+            if not re.fullmatch(_FIELD_NAME, field["name"]):
                 raise CourseError(
-                    f"{place}: '{name}' is an invalid field name. It should have the pattern "
-                    f"'^{_FIELD_NAME}$', like joint_limit."
+                    f"{place}: '{field['name']}' is an invalid field name. It should have the "
+                    f"pattern '^{_FIELD_NAME}$', like joint_limit."
                 )
-            if keyword.iskeyword(name):
+            if keyword.iskeyword(field["name"]):
                 raise CourseError(
-                    f"{place}: '{name}' is a keyword of Python, so choose another name for the field."
+                    f"{place}: '{field['name']}' is a keyword of Python, so choose another name for "
+                    "the field."
                 )
-            if name in names:
-                raise CourseError(f"{place}: the field '{name}' is already defined above.")
-            names.add(name)
-        declaration = _CONSTANT.fullmatch(line) or field
+        sizes = _SIZES.match(line)
+        if sizes is not None and any(size and int(size) < 1 for size in sizes.groups()):
+            raise CourseError(
+                f"{place}: a size in '{sizes[0].strip()}' is less than 1. For an array of any length, "
+                "write [] without a number."
+            )
+        constant = _CONSTANT.fullmatch(line)
+        declaration = constant or field
+        if declaration is not None:
+            if declaration["name"] in names:
+                kind = "constant" if constant else "field"
+                name = declaration["name"]
+                raise CourseError(f"{place}: the {kind} '{name}' is already defined above.")
+            names.add(declaration["name"])
         if (
             declaration is not None
             and declaration["default"]
