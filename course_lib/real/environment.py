@@ -11,7 +11,8 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import metadata
@@ -164,20 +165,54 @@ def install(report: Callable[[str], None]) -> RealEnvironment:
     folder = default_folder()
     environment = RealEnvironment(folder / "bin" / "python")
     if not environment.python.exists() or environment.problem():
-        _check_disk(folder)
-        report(f"Installing the real ROS 2 into {folder}: {SIZE}, up to a minute.")
-        try:
-            _create(folder)
-        except BaseException:
-            # An incomplete environment must not be mistaken for a complete one, even after Ctrl+C.
-            shutil.rmtree(folder, ignore_errors=True)
-            raise
-        environment = RealEnvironment(folder / "bin" / "python")
-        if problem := environment.problem():
-            shutil.rmtree(folder, ignore_errors=True)
-            raise CourseError(f"pip installed {problem}. Is another package index configured?")
+        with _only_installer(folder):
+            _check_disk(folder)
+            report(f"Installing the real ROS 2 into {folder}: {SIZE}, up to a minute.")
+            try:
+                _create(folder)
+            except BaseException:
+                # An incomplete environment must not be mistaken for a complete one, even after
+                # Ctrl+C.
+                shutil.rmtree(folder, ignore_errors=True)
+                raise
+            environment = RealEnvironment(folder / "bin" / "python")
+            if problem := environment.problem():
+                shutil.rmtree(folder, ignore_errors=True)
+                raise CourseError(f"pip installed {problem}. Is another package index configured?")
     report(f"{environment} is in {folder}.")
     return environment
+
+
+@contextmanager
+def _only_installer(folder: Path) -> Iterator[None]:
+    """Lock the parent of a folder against other installations, until the block or the process ends.
+
+    Raises:
+        CourseError: The parent cannot be created, or another process installs.
+    """
+    # Windows, for which there are no wheels, does not have this module.
+    import fcntl
+
+    parent = folder.parent
+    try:
+        parent.mkdir(parents=True, exist_ok=True)
+        lock = os.open(parent, os.O_RDONLY)
+    except OSError as error:
+        raise CourseError(
+            f"The real ROS 2 cannot be installed in {parent}: {error.strerror}. Set XDG_DATA_HOME to "
+            "a folder that you may write, then repeat the command."
+        ) from error
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        raise CourseError(
+            f"Another `{INSTALL}` is installing into {folder}. Wait until it has ended, then repeat "
+            "the command."
+        ) from error
+    else:
+        yield
+    finally:
+        os.close(lock)
 
 
 def _check_disk(folder: Path) -> None:
@@ -198,7 +233,6 @@ def _check_disk(folder: Path) -> None:
 
 
 def _create(folder: Path) -> None:
-    folder.parent.mkdir(parents=True, exist_ok=True)
     venv = [sys.executable, "-P", "-m", "venv", str(folder)]
     _run(venv, "Python's venv fails; on Debian: apt install python3-venv")
     pip = [str(folder / "bin" / "python"), "-P", "-m", "pip", "install", "--quiet", "--no-deps"]

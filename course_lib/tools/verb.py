@@ -191,7 +191,8 @@ def kind_of(find: Any, type_name: str, folder: str) -> Any:
     package, *name_parts = type_name.split("/")
     full_name = "/".join([package, folder, *name_parts] if len(name_parts) == 1 else [package, *name_parts])
     try:
-        if not name_parts:
+        # Services and actions are found by the names of their parts, which need a package.
+        if not name_parts and folder != "msg":
             raise CourseError(f"{type_name} has no package.")
         return find(full_name)
     except CourseError as error:
@@ -209,7 +210,7 @@ def kind_of(find: Any, type_name: str, folder: str) -> Any:
         same_name = [name for name in candidates if name.rpartition("/")[2] == type_name.rpartition("/")[2]]
         suggestion = did_you_mean(full_name, same_name or candidates)
         if same_name and not name_parts:
-            suggestion = f". Did you mean {same_name[0]}?"
+            suggestion = f". Did you mean {' or '.join(same_name[:3])}?"
         message = f"The passed {noun} type is invalid: {full_name}{suggestion}"
         raise CourseError(message) from error
 

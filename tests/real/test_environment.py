@@ -67,7 +67,35 @@ def test_installation_on_a_full_disk_is_an_error_with_the_needed_space(
     monkeypatch.setattr(shutil, "disk_usage", lambda folder: usage)
     with pytest.raises(CourseError, match="has 25 MB free, and the real ROS 2 needs 300 MB"):
         install(print)
-    assert not (tmp_path / "data").exists()
+    assert not environment.default_folder().exists()
+
+
+def test_second_installation_at_the_same_time_is_rejected_and_does_not_disturb_the_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def create(folder: Path) -> None:
+        (folder / "bin").mkdir(parents=True)
+        with pytest.raises(CourseError, match="Another `course ros --install` is installing into"):
+            install(print)
+        assert (folder / "bin").exists()
+        raise CourseError("the first ended")
+
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    monkeypatch.setattr(environment, "unsupported_reason", lambda: "")
+    monkeypatch.setattr(environment, "_create", create)
+    for _ in range(2):
+        with pytest.raises(CourseError, match="the first ended"):
+            install(lambda line: None)
+
+
+def test_folder_that_cannot_be_created_is_an_error_with_the_variable_to_set(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "file"))
+    monkeypatch.setattr(environment, "unsupported_reason", lambda: "")
+    with pytest.raises(CourseError, match=r"file/course_lib: Not a directory\. Set XDG_DATA_HOME"):
+        install(print)
 
 
 def test_missing_environment_error_shows_the_install_command(

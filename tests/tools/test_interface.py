@@ -69,6 +69,12 @@ def test_list_package_and_packages_agree() -> None:
     assert set(interfaces("msg")) <= set(type_names())
 
 
+@pytest.mark.parametrize("kind", ["msg", "srv", "action"])
+def test_names_of_a_kind_are_sorted_without_the_suffixes_of_their_parts(kind: str) -> None:
+    assert interfaces(kind) == sorted(interfaces(kind))
+    assert "moveit_msgs/action/MoveGroup" in interfaces("action")
+
+
 def test_proto_is_quoted_yaml() -> None:
     assert output("proto std_srvs/srv/SetBool") == '"data: false\n"\n'
     assert output("proto std_msgs/msg/String --no-quotes") == "data: ''\n\n"

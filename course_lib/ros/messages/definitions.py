@@ -336,7 +336,8 @@ def interfaces(kind: str) -> list[str]:
     names = [
         name.removesuffix(suffix) for name in type_names() if f"/{kind}/" in name and name.endswith(suffix)
     ]
-    return [name for name in names if "_" not in name.rsplit("/", 1)[1]]
+    # Sorted again, because _Goal follows the S of MoveGroupSequence.
+    return sorted(name for name in names if "_" not in name.rsplit("/", 1)[1])
 
 
 def event_definition(service: str) -> Any:
