@@ -63,7 +63,9 @@ class CaughtErrors:
     """
 
     def __init__(self, source: str) -> None:
-        self._has_handler = any(one.is_silent for node in ast.walk(parse(source)) for one in _handlers(node))
+        self._has_handler = any(
+            handler.is_silent for node in ast.walk(parse(source)) for handler in _handlers(node)
+        )
         self._before: Any = None
         self.mistake = ""
         self.other = ""
@@ -104,10 +106,10 @@ def _handlers(node: ast.AST) -> Iterator[Handler]:
     """Yield the handlers of a statement for its own body."""
     match node:
         case ast.Try(handlers=handlers) | ast.TryStar(handlers=handlers):
-            for one in handlers:
-                inner = [part for statement in one.body for part in ast.walk(statement)]
+            for handler in handlers:
+                inner = [part for statement in handler.body for part in ast.walk(statement)]
                 is_silent = not any(isinstance(part, ast.Raise) for part in inner)
-                yield Handler(ast.unparse(one).splitlines()[0], _names_of(one.type), is_silent)
+                yield Handler(ast.unparse(handler).splitlines()[0], _names_of(handler.type), is_silent)
         case ast.With(items=[ast.withitem(context_expr=ast.Call(func=called, args=kinds) as call)]) if (
             ast.unparse(called).endswith("suppress")
         ):
@@ -116,7 +118,7 @@ def _handlers(node: ast.AST) -> Iterator[Handler]:
 
 def _names_of(kind: ast.expr | None) -> frozenset[str]:
     kinds = kind.elts if isinstance(kind, ast.Tuple) else [kind]
-    return frozenset("BaseException" if one is None else ast.unparse(one).split(".")[-1] for one in kinds)
+    return frozenset("BaseException" if kind is None else ast.unparse(kind).split(".")[-1] for kind in kinds)
 
 
 def _handler_of(filename: str, line: int, error: BaseException) -> Handler | None:

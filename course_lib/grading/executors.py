@@ -68,21 +68,19 @@ class ProcessPool(Threads):
     def _call(self, call: Callable[[], Any]) -> Any:
         for _ in range(TRIES):
             try:
-                return self._process().submit(call).result()
+                # Each thread has a process of its own.
+                if getattr(self._local, "process", None) is None:
+                    # A spawned process inherits none of this process's threads and locks.
+                    context = multiprocessing.get_context("spawn")
+                    self._local.process = Pool(1, mp_context=context, initializer=_end_with_parent)
+                    self._processes.append(self._local.process)
+                process: Pool = self._local.process
+                return process.submit(call).result()
             except BrokenExecutor:
                 self._local.process = None
         raise CourseError(
             f"the process that graded it died {TRIES} times: it was killed, or ran out of memory"
         )
-
-    def _process(self) -> Pool:
-        if getattr(self._local, "process", None) is None:
-            # A spawned process inherits none of this process's threads and locks.
-            context = multiprocessing.get_context("spawn")
-            self._local.process = Pool(1, mp_context=context, initializer=_end_with_parent)
-            self._processes.append(self._local.process)
-        process: Pool = self._local.process
-        return process
 
 
 def _end_with_parent() -> None:

@@ -44,12 +44,12 @@ from course_lib.grading.run.run import Job, StoredRun, plan_scenarios, prepare, 
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.submissions.copies import compare_class
 from course_lib.grading.submissions.notebook import parse_notebook
-from course_lib.grading.submissions.roster import resolve_ids
 from course_lib.grading.submissions.submission import (
     Attempts,
     find_submissions,
     missing_file_lines,
     plan_attempts,
+    resolve_ids,
     skipped_files,
     store_submission_folders,
     unfinished_lines,

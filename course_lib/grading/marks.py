@@ -14,6 +14,7 @@ from course_lib.course.course_file import POINTS_PER_WEEK, CourseFile
 from course_lib.errors import CourseError
 from course_lib.files import write_atomically
 from course_lib.grading.records import (
+    MISMATCH,
     Attempt,
     Fault,
     HandMark,
@@ -28,7 +29,6 @@ from course_lib.grading.records import (
     to_plain,
 )
 from course_lib.grading.store import digest_of, lock_marks, marks_path, result_path
-from course_lib.grading.submissions.roster import MISMATCH
 from course_lib.grading.task import Row
 from course_lib.host import user_name
 from course_lib.third_party import read_json
@@ -124,23 +124,19 @@ def add_marks(
             if not revision.startswith(f"{sha256[:8]}-"):
                 cause = "the student has changed"
             raise MarksConflictError(f"{cause} {task.task} in the meantime")
-        _write(path, [*stored_marks, *new])
+        for draft in path.parent.glob(f".{path.name}.*"):
+            # A process that was killed can leave half-written files.
+            draft.unlink()
+        text = json.dumps([asdict(mark) for mark in [*stored_marks, *new]], indent=1, ensure_ascii=False)
+        write_atomically(path, text.encode("utf-8", "replace"))
+        # Flush the new directory entries of the file and its folders to the disk.
+        for folder in path.parents[:3]:
+            handle = os.open(folder, os.O_RDONLY)
+            try:
+                os.fsync(handle)
+            finally:
+                os.close(handle)
     return new
-
-
-def _write(path: Path, marks: Sequence[HandMark]) -> None:
-    """Write a file of marks, and flush the new directory entries of the file and its folders to the disk."""
-    for draft in path.parent.glob(f".{path.name}.*"):
-        # A process that was killed can leave half-written files.
-        draft.unlink()
-    text = json.dumps([asdict(mark) for mark in marks], indent=1, ensure_ascii=False)
-    write_atomically(path, text.encode("utf-8", "replace"))
-    for folder in path.parents[:3]:
-        handle = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
 
 
 def _hand_mark(task: TaskResult, entry: MarkEntry, before: Sequence[HandMark], by: str) -> HandMark:

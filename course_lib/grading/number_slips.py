@@ -168,7 +168,7 @@ def _integer_arrays(function: Function) -> Iterator[str]:
 
 
 def _is_parameter(function: Function, value: ast.expr) -> bool:
-    return isinstance(value, ast.Name) and value.id in [one.arg for one in function.args.args]
+    return isinstance(value, ast.Name) and value.id in [argument.arg for argument in function.args.args]
 
 
 def _has_integers(call: ast.Call) -> bool:

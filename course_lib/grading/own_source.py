@@ -176,7 +176,7 @@ def _find_definition(name: str, function: FunctionType, is_class: bool) -> str:
 
 
 def _first_line(node: Definition) -> int:
-    return min([node.lineno, *(one.lineno for one in node.decorator_list)])
+    return min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
 
 
 def _definitions(cell: str) -> Iterator[tuple[str, str]]:

@@ -38,7 +38,9 @@ from course_lib.third_party import read_json
 # one object.
 VERSION = 2
 DAY = 86_400  # [s]
-RECEIPT_TIME = "receipt"
+RECEIPT_TIME, UNKNOWN = "receipt", "unknown"  # sources of a time of receipt
+# How the ID in a file compares with its student: `Submission.id_flag`.
+MISMATCH, NO_ID, UNVERIFIED = "ID mismatch", "no ID", "ID not verified"
 NOT_RUN = "not run"
 Status = Literal["graded", "needs_marking", "limit", "rejected", "grader_error"]
 T = TypeVar("T")

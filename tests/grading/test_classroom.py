@@ -14,8 +14,7 @@ from course_lib.course.state import solutions_dir
 from course_lib.course.student_folder import prepare
 from course_lib.errors import CourseError
 from course_lib.grading.platforms.classroom import check_changed, collect_clones, write_workflow
-from course_lib.grading.submissions.roster import Ledger
-from course_lib.grading.submissions.submission import UTC, find_submissions
+from course_lib.grading.submissions.submission import UTC, Ledger, find_submissions
 from tests.checkout import need_git
 from tests.patience import PATIENCE
 

@@ -22,8 +22,7 @@ from course_lib.grading.submissions.copies import (
     read_similar,
     released_code,
 )
-from course_lib.grading.submissions.roster import resolve_ids
-from course_lib.grading.submissions.submission import find_submissions
+from course_lib.grading.submissions.submission import find_submissions, resolve_ids
 from tests.grading.test_report_pages import browser as browser  # a fixture
 from tests.grading.test_report_pages import page as page  # a fixture
 from tests.notebooks.graded import cells_of, solution

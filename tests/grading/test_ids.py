@@ -12,12 +12,12 @@ import pytest
 from course_lib.grading.grade import grade
 from course_lib.grading.inputs import personal_values
 from course_lib.grading.marking.by_hand import mark_by_hand
+from course_lib.grading.records import MISMATCH, NO_ID, UNVERIFIED
 from course_lib.grading.run.run import Job, plan_scenarios
 from course_lib.grading.store import Course, catalog_of
 from course_lib.grading.submissions.collect import collect
 from course_lib.grading.submissions.lms import fill_lms
-from course_lib.grading.submissions.roster import MISMATCH, NO_ID, UNVERIFIED, resolve_ids
-from course_lib.grading.submissions.submission import find_submissions
+from course_lib.grading.submissions.submission import find_submissions, resolve_ids
 
 WriteNotebook = Callable[..., Path]
 NAME = "week01_exercise.ipynb"

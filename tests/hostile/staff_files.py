@@ -12,8 +12,8 @@ from course_lib.course.state import exercises_dir
 from course_lib.grading.marks import read_marks, read_result
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.submissions.collect import collect
-from course_lib.grading.submissions.roster import Ledger, read_class, read_class_list, read_ids, read_times
-from course_lib.grading.submissions.submission import find_submissions
+from course_lib.grading.submissions.roster import read_class, read_class_list, read_ids, read_times
+from course_lib.grading.submissions.submission import Ledger, find_submissions
 from tests.grading.platforms import NAME, notebook, zipped
 from tests.hostile.made_up import spoilt
 

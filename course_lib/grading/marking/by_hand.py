@@ -11,11 +11,10 @@ from course_lib.course.exercise import normalise
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.grading import store
 from course_lib.grading.marks import MarkEntry, add_marks, mark, read_result
-from course_lib.grading.records import ReceiptTime, Result, Submission, TaskResult
+from course_lib.grading.records import UNKNOWN, ReceiptTime, Result, Submission, TaskResult
 from course_lib.grading.reports.rendering import say
 from course_lib.grading.reports.report import report
 from course_lib.grading.reports.tables import write_tables
-from course_lib.grading.submissions.roster import UNKNOWN
 
 
 def mark_by_hand(

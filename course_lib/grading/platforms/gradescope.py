@@ -27,13 +27,13 @@ from course_lib.grading.grade import grade
 from course_lib.grading.jail.filters import Need
 from course_lib.grading.judge import HIDDEN_ERROR
 from course_lib.grading.marks import MarkedResult, stored_result
-from course_lib.grading.records import TaskResult
+from course_lib.grading.records import MISMATCH, TaskResult
 from course_lib.grading.reports.rendering import printable, rows, say
 from course_lib.grading.store import Course, catalog_of, this_course
 from course_lib.grading.submissions.choice import ANY
 from course_lib.grading.submissions.collect import PlatformTime, collect, write_receipts
 from course_lib.grading.submissions.readers import FOLDERS
-from course_lib.grading.submissions.roster import MISMATCH, read_class_list
+from course_lib.grading.submissions.roster import read_class_list
 from course_lib.grading.submissions.submission import find_submissions
 from course_lib.grading.task import Catalog, Task
 from course_lib.grading.vocabulary.markers import is_personal

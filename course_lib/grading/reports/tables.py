@@ -21,12 +21,11 @@ from course_lib.errors import format_count
 from course_lib.files import write_atomically
 from course_lib.grading.judge import CHECK_SECONDS
 from course_lib.grading.marks import COLUMNS, MarkedResult, results_in
-from course_lib.grading.records import Judgement, TaskResult
+from course_lib.grading.records import MISMATCH, NO_ID, UNVERIFIED, Judgement, TaskResult
 from course_lib.grading.reports.rendering import csv_of, fill, join_few
 from course_lib.grading.run.run import read_usage
 from course_lib.grading.store import check_times_path
 from course_lib.grading.submissions.copies import SimilarSubmission, read_similar
-from course_lib.grading.submissions.roster import MISMATCH, NO_ID, UNVERIFIED
 from course_lib.third_party import read_json
 
 SLOW = CHECK_SECONDS / 5  # [s] duration of a check that may reach its time limit on a slower machine

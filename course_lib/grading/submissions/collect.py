@@ -36,18 +36,8 @@ from course_lib.grading.submissions.choice import (
     inspect_file,
 )
 from course_lib.grading.submissions.notebook import find_exercise_name, is_notebook_name
-from course_lib.grading.submissions.roster import (
-    COLUMNS,
-    ID_FROM,
-    LIST,
-    PLATFORM,
-    ROSTER,
-    UNFINISHED,
-    Times,
-    has_key,
-    read_ids,
-    read_times,
-)
+from course_lib.grading.submissions.roster import Times, has_key, read_ids, read_times
+from course_lib.grading.submissions.submission import COLUMNS, ID_FROM, LIST, PLATFORM, ROSTER, UNFINISHED
 
 BAD_PATHS = (errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.ENAMETOOLONG, errno.EINVAL, errno.EILSEQ)
 LATE_TEXTS = {True: "yes", False: "no", None: ""}

@@ -1,11 +1,14 @@
-"""Find the submissions in a folder: notebooks, and files written by `course submit`.
+"""The submissions in a folder: whose they are, when they were received, and which runs they need.
 
-The runs of the found submissions are planned here, too.
+A submission is a notebook, or a file written by `course submit`. `received.csv` has the time of
+receipt of each one, and its source. The ID in a notebook counts only if it belongs to the student
+who submitted it.
 
 OUT/places.json has the folder of submissions of each student and exercise, relative to OUT. Results
 do not contain folders, so that records can be moved to another machine.
 """
 
+import csv
 import fnmatch
 import hashlib
 import json
@@ -13,7 +16,8 @@ import os
 import re
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from datetime import datetime
 from functools import lru_cache
 from heapq import nsmallest
 from itertools import groupby
@@ -23,11 +27,22 @@ from zipfile import ZipFile
 from zoneinfo import ZoneInfo
 
 from course_lib.course.course_file import Counts
+from course_lib.course.exercise import normalise
 from course_lib.course.state import exercises_dir, lessons_dir
 from course_lib.errors import CourseError
 from course_lib.files import write_atomically
 from course_lib.grading.marks import attempt_of, dates_of
-from course_lib.grading.records import Result, Submission, to_plain
+from course_lib.grading.records import (
+    MISMATCH,
+    NO_ID,
+    RECEIPT_TIME,
+    UNKNOWN,
+    UNVERIFIED,
+    ReceiptTime,
+    Result,
+    Submission,
+    to_plain,
+)
 from course_lib.grading.reports.rendering import MOST_NAMED, join_few, printable
 from course_lib.grading.run.run import Job, plan_scenarios
 from course_lib.grading.store import Course, catalog_of, digest_of, rules_of
@@ -41,7 +56,8 @@ from course_lib.grading.submissions.notebook import (
     parse_notebook,
     without_outputs,
 )
-from course_lib.grading.submissions.roster import UNFINISHED, Ledger
+from course_lib.grading.submissions.readers import STAMP, YEARS, parse_times, platform_name
+from course_lib.grading.submissions.roster import LmsFile
 from course_lib.third_party import check_regular, read_bytes, read_json
 
 UTC = ZoneInfo("UTC")
@@ -51,6 +67,164 @@ NO_EXERCISE = "is not an exercise of this course: expected a file like week01_ex
 REFUSED = "refused"  # reason of a result if `course collect` kept no file, or the file is a link
 MANY = 3  # names per note
 LESSON_SHARE = 0.5  # fraction of a lesson's cells from which a notebook is a lesson
+LIST = "received.csv"
+UNFINISHED = ".collecting"  # exists while `course collect` writes the folder
+ID_FROM = "id_from"  # whether the student's ID is from the roster
+ROSTER, PLATFORM = "roster", "platform"  # values of the column ID_FROM in received.csv
+COLUMNS = ("file", "received", "late", "source", "name", "handed_in_as", ID_FROM, "exercise", "refused")
+# levels below the top: STUDENT/ in folders made by hand, and nbgrader's STUDENT/ASSIGNMENT/
+STAMP_DEPTHS = (1, 2)
+MAX_STAMP = 200  # [B]
+EXAMPLES = {
+    LIST: "the columns file,received and rows like ada/week01_exercise.ipynb,2026-10-11T23:59:00+02:00",
+    STAMP: "a line like 2026-10-11 23:59:00.000000 UTC",
+}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One row of received.csv."""
+
+    time: datetime | None = None
+    source: str = ""
+    late: bool | None = None
+    note: str = ""
+    handed_in_as: str = ""
+    exercise: str = ""
+    refused: str = ""
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """The instructor's received.csv, in the folder of submissions or next to it.
+
+    Args:
+        top: The folder of all submissions.
+        zone: The zone of times without one.
+        entries: The rows by file.
+    """
+
+    top: Path
+    zone: ZoneInfo
+    entries: Mapping[Path, Entry] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, top: Path, zone: ZoneInfo) -> "Ledger":
+        """Read the list if it exists.
+
+        Raises:
+            CourseError: It is not a table, or lacks a column.
+        """
+        entries: dict[Path, Entry] = {}
+        for path in (top.absolute().parent / LIST, top.absolute() / LIST):
+            if path.is_file():
+                entries |= _entries(path, zone)
+        return cls(top, zone, entries)
+
+    def receipt_time(self, path: Path, receipt: Mapping[str, Any]) -> ReceiptTime:
+        """Return the most reliable known time of a file.
+
+        The list takes precedence, then nbgrader's time stamp next to the file, then the platform's
+        flag, then the receipt. Data that a student can write is not trusted if the platform has
+        better data.
+
+        Args:
+            path: The submitted file.
+            receipt: The receipt written by `course submit`, or an empty mapping.
+        """
+        entry = self.entries.get(path.absolute())
+        notes = [entry.note] if entry and entry.note else []
+        # Students fill these folders, so a list in one of them is not evidence.
+        inner = [folder for folder in path.parents if self.top in folder.parents]
+        lists = [(folder / LIST).relative_to(self.top) for folder in inner if (folder / LIST).is_file()]
+        notes += [f"{path.as_posix()} is not trusted: only {LIST} at the top counts" for path in lists]
+        receipt_time = _receipt_time(receipt)
+        time, source = (entry.time, entry.source) if entry else (None, "")
+        stamp = self._stamp_of(path)
+        if time is None and stamp is not None:
+            if entry is None and not any(map(platform_name, path.relative_to(self.top).parts)):
+                time, problem = _read_stamp(stamp)
+                notes += [problem] if problem else []
+                source = STAMP
+            else:
+                notes.append(f"{STAMP} is not trusted: the platform's download has none")
+        is_late = entry.late if entry else None
+        if time is None and is_late is not None:
+            source = f"{LIST}: the platform's flag only"
+        elif time is None:
+            time, source = (receipt_time, RECEIPT_TIME) if receipt_time else (None, UNKNOWN)
+        original_name = entry.handed_in_as if entry else ""
+        return ReceiptTime(time, source, is_late, receipt_time, tuple(notes), original_name)
+
+    @property
+    def refused(self) -> Mapping[str, Entry]:
+        """The files that `course collect` rejected, by path in the folder."""
+        top = self.top.absolute()
+        rows = {
+            path.relative_to(top): entry
+            for path, entry in self.entries.items()
+            if entry.refused and entry.exercise and path.is_relative_to(top)
+        }
+        # The folder itself may be given as ../submissions.
+        return {file.as_posix(): entry for file, entry in rows.items() if ".." not in file.parts}
+
+    def _stamp_of(self, path: Path) -> Path | None:
+        """Return the effective time stamp of a file: the outermost one at nbgrader's depth.
+
+        Stamps further below may have been put there by a student.
+        """
+        folders = path.relative_to(self.top).parts[:-1]
+        stamps = (
+            self.top.joinpath(*folders[:depth], STAMP) for depth in STAMP_DEPTHS if depth <= len(folders)
+        )
+        return next((stamp for stamp in stamps if stamp.is_file()), None)
+
+
+def _entries(path: Path, zone: ZoneInfo) -> dict[Path, Entry]:
+    file = LmsFile.read(path)
+    if missing := {"file", "received"} - set(file.headings):
+        raise CourseError(f"{path} has no column {min(missing)!r}. Expected {EXAMPLES[LIST]}")
+    places = {heading: file.headings.index(heading) for heading in COLUMNS if heading in file.headings}
+    rows = [{key: file.text(row, place) for key, place in places.items()} for row in range(1, len(file.rows))]
+    times = parse_times([row["received"] for row in rows], zone)
+    entries = {}
+    for number, (row, time) in enumerate(zip(rows, times, strict=True), 2):
+        note = ""
+        if row["received"] and time is None:
+            note = f"{LIST}, row {number}: {row['received']!r} is not a time. Expected {EXAMPLES[LIST]}"
+        source = f"{LIST} ({row['source']})" if row.get("source") else LIST
+        is_late = {"yes": True, "no": False}.get(row.get("late", "").casefold())
+        original_name = row.get("handed_in_as", "")
+        about = (row.get("exercise", "").lstrip("'"), row.get("refused", "").lstrip("'"))
+        entries[path.parent / row["file"]] = Entry(time, source, is_late, note, original_name, *about)
+    return entries
+
+
+def _read_stamp(path: Path) -> tuple[datetime | None, str]:
+    """Return nbgrader's time stamp and "", or None and an error message."""
+    try:
+        if path.is_symlink():
+            raise ValueError("it is a link")
+        check_regular(path)
+        with path.open("rb") as file:
+            text = file.read(MAX_STAMP).decode().strip()
+        match = re.fullmatch(r"(\S+ \S+) (\w+/\S+)", text)
+        zone = ZoneInfo(match[2] if match else "UTC")
+        (time,) = parse_times([match[1] if match else text.removesuffix(" UTC")], zone)
+        if time is None:
+            raise ValueError(f"{text!r} is not a time")
+    except (OSError, ValueError, LookupError, OverflowError) as error:
+        return None, f"{path.parent.name}/{path.name}: {error}. Expected {EXAMPLES[STAMP]}"
+    return time, ""
+
+
+def _receipt_time(receipt: Mapping[str, Any]) -> datetime | None:
+    try:
+        time = datetime.fromisoformat(receipt["time"])
+        return time.astimezone(UTC) if time.tzinfo and time.year in YEARS else None
+    except (KeyError, TypeError, ValueError, OverflowError):
+        # A student can write anything into a receipt.
+        return None
 
 
 def find_submissions(
@@ -513,3 +687,81 @@ def _plan_job(submission: Submission, course: Course) -> tuple[Submission, Job |
     limits, files = catalog.course.limits, catalog.with_assets(week, submission.files)
     job = Job(notebook.cells, submission.values_of, steps, limits, files, course.sandbox, course.refused)
     return replace(bare, key=job.key), job
+
+
+# Moodle's names of folders without a roster.
+PLATFORM_NAME = re.compile(r"participant_?\d+|.+_\d+_assignsubmission_.*")
+
+
+def resolve_ids(submissions: Sequence[Submission], top: Path) -> list[Submission]:
+    """Return the submissions with the ID that determines the personal values of each.
+
+    The folder identifies the student, whose values count whatever ID is in the file. Only if the
+    folder's name is the platform's number, because no roster was given, the file's ID counts; then
+    it can't be verified, unless two students' files contain the same ID.
+
+    Args:
+        submissions: All submissions of a class.
+        top: Their folder, with the received.csv written by `course collect`.
+    """
+    numbers = _platform_numbers(top)
+    owners = defaultdict[str, set[str]](set)
+    for submission in submissions:
+        owners[submission.student].add(submission.student)
+        if submission.claimed:
+            owners[submission.claimed].add(submission.student)
+    return [_resolve_id(submission, top, numbers, owners) for submission in submissions]
+
+
+def _resolve_id(
+    submission: Submission, top: Path, numbers: frozenset[str], owners: dict[str, set[str]]
+) -> Submission:
+    # An unreadable file has no ID to verify.
+    if not submission.sha256:
+        return submission
+    is_number = submission.student in numbers or PLATFORM_NAME.fullmatch(submission.student)
+    if submission.path.parent != top and not is_number:
+        return _use_folder_id(submission)
+    if is_number and submission.claimed and owners[submission.claimed] != {submission.student}:
+        note = f"the file has the ID {submission.claimed}, and so has another student's file"
+        return replace(submission, values_of=submission.claimed, id_flag=MISMATCH, id_note=note)
+    if submission.claimed is None:
+        note = "the file has no ID: judged with the personal values of a guest"
+        return replace(submission, id_flag=NO_ID, id_note=note)
+    # Often all submissions are unverified, which is reported in a single line.
+    return replace(submission, values_of=submission.claimed, id_flag=UNVERIFIED)
+
+
+def _use_folder_id(submission: Submission) -> Submission:
+    """Return a submission in a folder that identifies its student."""
+    resolved = replace(submission, values_of=submission.student)
+    if submission.claimed == submission.student:
+        return resolved
+    judging = f"judged with the personal values of {submission.student}"
+    if submission.claimed is None:
+        return replace(resolved, id_flag=NO_ID, id_note=f"the file has no ID: {judging}")
+    note = f"the file has the ID {submission.claimed}, but {submission.student} submitted it: {judging}"
+    return replace(resolved, id_flag=MISMATCH, id_note=note)
+
+
+def _platform_numbers(top: Path) -> frozenset[str]:
+    """Return the folders that `course collect` named by a platform's number because there was no roster."""
+    path = top / LIST
+    if not path.is_file():
+        return frozenset()
+    try:
+        with path.open(newline="", encoding="utf-8-sig", errors="replace") as file:
+            rows = [row for row in csv.DictReader(file) if row.get(ID_FROM) == PLATFORM]
+    except (OSError, csv.Error):
+        # Reading the times from the same file reports the error.
+        return frozenset()
+    return frozenset(_folder(row.get("file") or "") for row in rows)
+
+
+def _folder(file: str) -> str:
+    """Return the student's folder of a path in received.csv, normalized as in submissions."""
+    name = file.lstrip("'").split("/")[0]
+    try:
+        return normalise(name)
+    except CourseError:
+        return name

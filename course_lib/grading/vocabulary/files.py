@@ -248,7 +248,7 @@ def expect_colors_apart(
         message = f"the layout has one enabled display {class_name}, expected two"
         return [Problem(message, "a display is missing, or not enabled")]
     pairs = combinations(colors, 2)
-    if all(max(abs(a - b) for a, b in zip(one, other, strict=True)) >= by for one, other in pairs):
+    if all(max(abs(a - b) for a, b in zip(first, second, strict=True)) >= by for first, second in pairs):
         return _check_surplus(evidence, COLORS_APART, arguments)
     listed_colors = join_words(["; ".join(f"{channel:g}" for channel in color) for color in colors])
     message = f"the colors of {class_name} are {listed_colors}: no channel differs by {by:g} or more"

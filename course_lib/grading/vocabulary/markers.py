@@ -219,17 +219,17 @@ def bound_marker(evidence: Evidence, topic: str) -> Any:
     return scene.markers[scene.bindings[0]] if only else None
 
 
-def _are_compatible(one: Any, other: Any) -> bool:
+def _are_compatible(first: Any, second: Any) -> bool:
     """Return whether one marker can satisfy two values of an argument; None means any value."""
-    if one is None or other is None:
+    if first is None or second is None:
         return True
-    if isinstance(one, Real) and isinstance(other, Real):
-        return math.isclose(one, other, abs_tol=SAME_TOLERANCE)
-    if isinstance(one, list) and isinstance(other, list):
+    if isinstance(first, Real) and isinstance(second, Real):
+        return math.isclose(first, second, abs_tol=SAME_TOLERANCE)
+    if isinstance(first, list) and isinstance(second, list):
         # A color may be given with or without alpha.
-        is_color = len(one) != len(other) and {len(one), len(other)} == {3, 4}
-        return (len(one) == len(other) or is_color) and all(map(_are_compatible, one, other))
-    return bool(one == other)
+        is_color = len(first) != len(second) and {len(first), len(second)} == {3, 4}
+        return (len(first) == len(second) or is_color) and all(map(_are_compatible, first, second))
+    return bool(first == second)
 
 
 def is_personal(value: Any) -> bool:
