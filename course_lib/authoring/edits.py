@@ -574,12 +574,12 @@ def group_deletions(
     return groups
 
 
-def _conflict(one: Deletion, other: Deletion, needed_keys: Mapping[str, frozenset[Key]]) -> bool:
+def _conflict(deletion: Deletion, other: Deletion, needed_keys: Mapping[str, frozenset[Key]]) -> bool:
     return (
-        one.cell == other.cell
-        or bool({*one.tasks} & {*other.tasks})
-        or any(other.statement in needed_keys[task] for task in one.tasks)
-        or any(one.statement in needed_keys[task] for task in other.tasks)
+        deletion.cell == other.cell
+        or bool({*deletion.tasks} & {*other.tasks})
+        or any(other.statement in needed_keys[task] for task in deletion.tasks)
+        or any(deletion.statement in needed_keys[task] for task in other.tasks)
     )
 
 

@@ -412,7 +412,7 @@ def names_in_answers(code: str) -> Iterator[str]:
             with suppress(ImportError):
                 module = importlib.import_module(node.module)
                 imports |= {a.name: getattr(module, a.name) for a in node.names if hasattr(module, a.name)}
-    members = {name for thing in imports.values() for name in dir(thing) if not name.startswith("_")}
+    members = {name for imported in imports.values() for name in dir(imported) if not name.startswith("_")}
     for node in ast.walk(tree):
         match node:
             case ast.Attribute(attr=name) if node.lineno in lines and name in members:

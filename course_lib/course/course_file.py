@@ -273,7 +273,15 @@ def read_course_file(path: Path) -> CourseFile:
     try:
         text = read_text(path)
         content = tomllib.loads(text)
-        errors = _faulty_weeks(content)
+        # The tables of invalid weeks are removed, so that the other weeks can be read.
+        weeks: Any = content.get("weeks")
+        errors = dict[str, _MisfitError]()
+        for week in list(weeks) if isinstance(weeks, dict) else ():
+            try:
+                _read(WeekSettings, weeks[week], ("weeks", week))
+            except _MisfitError as misfit:
+                errors[week] = misfit
+                del weeks[week]
         faults = {week: _locate(path, text, error) for week, error in errors.items()}
         course: CourseFile = _read(CourseFile, content, faults=faults)
     except UnicodeDecodeError as error:
@@ -283,19 +291,6 @@ def read_course_file(path: Path) -> CourseFile:
     except _MisfitError as error:
         raise CourseError(_locate(path, text, error)) from error
     return course
-
-
-def _faulty_weeks(content: Mapping[str, Any]) -> dict[str, "_MisfitError"]:
-    """Return the error of each invalid week's table, and remove these tables from the content."""
-    weeks: Any = content.get("weeks")
-    errors = dict[str, _MisfitError]()
-    for week in list(weeks) if isinstance(weeks, dict) else ():
-        try:
-            _read(WeekSettings, weeks[week], ("weeks", week))
-        except _MisfitError as error:
-            errors[week] = error
-            del weeks[week]
-    return errors
 
 
 def shipped_course_file() -> CourseFile:

@@ -14,16 +14,7 @@ import numpy.typing as npt
 from course_lib.arrays import Floats, Matrix
 from course_lib.displays.display import Display, TopicDisplay, node_name, qos_properties
 from course_lib.displays.frames import NS, quaternion_of
-from course_lib.displays.properties import (
-    NEVER,
-    Convert,
-    Property,
-    flag,
-    number,
-    read_only,
-    text,
-    words,
-)
+from course_lib.displays.properties import NEVER, Convert, Property, flag, number, read_only, text, words
 from course_lib.displays.shapes import ALONG_X, axes, draw_arrows, placement, rotation_to
 from course_lib.errors import CourseError
 from course_lib.robots.kinematics import link_poses
@@ -306,8 +297,8 @@ class RobotModelDisplay(TopicDisplay):
         Property("TF Prefix", "", text),
         Property(_STYLE, _STYLES[0], words(*_STYLES)),
         *(
-            Property(f"Links/Expand {what}", False, flag, shown_if=((_STYLE, *styles),))
-            for what, styles in (
+            Property(f"Links/Expand {detail}", False, flag, shown_if=((_STYLE, *styles),))
+            for detail, styles in (
                 ("Tree", (_LINK_TREE, _JOINT_TREE)),
                 ("Link Details", (_LINKS, _LINK_TREE, _JOINT_TREE, "")),
                 ("Joint Details", (_JOINTS, _JOINT_TREE)),
@@ -627,7 +618,7 @@ class RobotModelDisplay(TopicDisplay):
                 rows.append(Property(row, True, flag, names))
             shown_if = () if link.has_geometry else NEVER
             rows.append(Property(f"{row}/Alpha", 1.0, number(0.0, 1.0), (*names, "Alpha"), shown_if))
-            rows += [Property(f"{row}/{it}", False, flag, (*names, it)) for it in _OF_LINKS.values()]
+            rows += [Property(f"{row}/{label}", False, flag, (*names, label)) for label in _OF_LINKS.values()]
             for label in ("Position", "Orientation"):
                 value = partial(self._link_value, link.name, label)
                 rows.append(Property(f"{row}/{label}", value, read_only, (*names, label)))

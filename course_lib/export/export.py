@@ -90,7 +90,18 @@ def export(
         if path.suffix not in _FOLDERS or not path.is_file():
             raise CourseError(f"{path} cannot be included; pass files that end in {', '.join(_FOLDERS)}.")
         files[f"{_FOLDERS[path.suffix]}/{path.name}"] = read_bytes(path)
-    _write(files, out / package)
+    # Write into a temporary folder, then rename it. Other existing files are kept.
+    target = out / package
+    with draft_folder(target) as folder:
+        draft = folder / "new"
+        if target.exists():
+            shutil.copytree(target, draft)
+        for place, data in files.items():
+            (draft / place).parent.mkdir(parents=True, exist_ok=True)
+            (draft / place).write_bytes(data)
+        if target.exists():
+            os.rename(target, folder / "old")
+        os.rename(draft, target)
     notes = list(_copy_note(file))
     for name, why in only_code.items():
         places = [f"{m.name}.py" for m in modules if any(name in part.bindings for part in m.statements)]
@@ -170,20 +181,6 @@ def _launch_files(
         executables = [module.name for module in modules]
         files[f"launch/{package}.launch.py"] = fill_template("launch.py", executables=executables, **names)
     return files
-
-
-def _write(files: dict[str, bytes], target: Path) -> None:
-    """Write the files into a temporary folder, then rename it. Other existing files are kept."""
-    with draft_folder(target) as folder:
-        draft = folder / "new"
-        if target.exists():
-            shutil.copytree(target, draft)
-        for path, data in files.items():
-            (draft / path).parent.mkdir(parents=True, exist_ok=True)
-            (draft / path).write_bytes(data)
-        if target.exists():
-            os.rename(target, folder / "old")
-        os.rename(draft, target)
 
 
 _REQUIRED = ("package.xml", "setup.py", "setup.cfg", "resource/{}", "{}/__init__.py")

@@ -148,7 +148,7 @@ def _split_imports(source: str, nodes: Sequence[ast.stmt]) -> Iterator[tuple[ast
         end = node.end_lineno or node.lineno
         if isinstance(node, ast.Import):
             for name in node.names:
-                yield (one := ast.Import([name])), ast.unparse(one)
+                yield (statement := ast.Import([name])), ast.unparse(statement)
         elif isinstance(node, ast.ImportFrom):
             for name in node.names:
                 yield (part := ast.ImportFrom(node.module, [name], node.level)), ast.unparse(part)

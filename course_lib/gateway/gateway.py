@@ -92,16 +92,6 @@ def access_control(students: Sequence[str], calls: Sequence[str], domain: int) -
         {"rules": ["look", "robot", "asked", "heard"], "subjects": [ROBOT, INNER]},
         *({"rules": [*common, f"own {name}"], "subjects": [name]} for name in students),
     ]
-    return {
-        "enabled": True,
-        "default_permission": "deny",
-        "rules": _rules(students, calls, domain),
-        "subjects": subjects,
-        "policies": policies,
-    }
-
-
-def _rules(students: Sequence[str], calls: Sequence[str], domain: int) -> list[dict[str, Any]]:
     # The caches of publishers.
     latched = f"{domain}/**/@adv/**"
     questions = [latched, *(f"{domain}/{name}/*/*" for name in calls)]
@@ -113,17 +103,23 @@ def _rules(students: Sequence[str], calls: Sequence[str], domain: int) -> list[d
         if other != domain
         for key in [f"{other}/**", f"{other}/**/@adv/**", f"{ADMIN}/{other}/**"]
     ]
-    return [
-        _rule("look", ["ingress", "egress"], LOOK, EVERYWHERE),
-        _rule("hear", ["egress"], MESSAGES, EVERYWHERE),
-        _rule("ask", ["ingress"], ["query"], questions),
-        _rule("listen", ["ingress"], ["liveliness_token"], listeners),
-        _rule("others", ["ingress"], MESSAGES, read_topics),
-        *(_rule(f"own {name}", ["ingress"], MESSAGES, _student_keys(domain, name)) for name in students),
-        _rule("robot", ["ingress"], MESSAGES, EVERYWHERE),
-        _rule("asked", ["egress"], ["query"], questions),
-        _rule("heard", ["egress"], ["liveliness_token"], listeners),
-    ]
+    return {
+        "enabled": True,
+        "default_permission": "deny",
+        "rules": [
+            _rule("look", ["ingress", "egress"], LOOK, EVERYWHERE),
+            _rule("hear", ["egress"], MESSAGES, EVERYWHERE),
+            _rule("ask", ["ingress"], ["query"], questions),
+            _rule("listen", ["ingress"], ["liveliness_token"], listeners),
+            _rule("others", ["ingress"], MESSAGES, read_topics),
+            *(_rule(f"own {name}", ["ingress"], MESSAGES, _student_keys(domain, name)) for name in students),
+            _rule("robot", ["ingress"], MESSAGES, EVERYWHERE),
+            _rule("asked", ["egress"], ["query"], questions),
+            _rule("heard", ["egress"], ["liveliness_token"], listeners),
+        ],
+        "subjects": subjects,
+        "policies": policies,
+    }
 
 
 def _rule(name: str, flows: list[str], messages: list[str], keys: list[str]) -> dict[str, Any]:

@@ -115,7 +115,12 @@ class OmniBase(Node):
 
     def _update(self) -> None:
         if self._goal is not None:
-            self._speed = _speed_to(inverse(self._pose) @ self._goal, self._period)
+            # At most the speed that reaches the goal in one period, within all limits.
+            way = twist_of(inverse(self._pose) @ self._goal)[_PLANE]
+            distance = np.maximum(np.abs(way), 1e-12)
+            # Rates relative to the remaining distance [1/s].
+            fastest = np.minimum(MAX_SPEED, np.sqrt(2 * BRAKES * distance)) / distance
+            self._speed = way * min(*fastest, 1 / self._period)
         elif self._hold <= 0:
             self._speed = np.zeros(3)
         self._hold -= self._period
@@ -141,19 +146,6 @@ class OmniBase(Node):
         pose.position.x, pose.position.y, pose.orientation.z, pose.orientation.w = x, y, z, w
         twist.linear.x, twist.linear.y, twist.angular.z = map(float, self._speed)
         self._odometry.publish(odometry)
-
-
-def _speed_to(gap: Matrix, period: float) -> Floats:
-    """Return the speed towards a goal in base_link, within all limits.
-
-    It is at most the speed that reaches the goal in one period [s].
-    """
-    way = twist_of(gap)[_PLANE]
-    distance = np.maximum(np.abs(way), 1e-12)
-    # Rates relative to the remaining distance [1/s].
-    fastest = np.minimum(MAX_SPEED, np.sqrt(2 * BRAKES * distance)) / distance
-    speed: Floats = way * min(*fastest, 1 / period)
-    return speed
 
 
 # The arm in the configuration START, in simple shapes: shape, position, rotation.

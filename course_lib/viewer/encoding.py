@@ -122,27 +122,27 @@ def _encode_value(value: Any) -> Any:
     raise TypeError(f"A scene cannot hold {value!r}.")
 
 
-def _fields_of(thing: Drawable) -> dict[str, Any]:
+def _fields_of(drawable: Drawable) -> dict[str, Any]:
     """Return the kind and the fields of an object, as the page's builders read them."""
-    if isinstance(thing, MeshcatObject):
-        return {"kind": "meshcat", "json": thing.json}
-    fields = dict(vars(thing))
+    if isinstance(drawable, MeshcatObject):
+        return {"kind": "meshcat", "json": drawable.json}
+    fields = dict(vars(drawable))
     for name in {"colors", "color"} & fields.keys():
         fields[name] = np.rint(fields[name] * 255).astype(np.uint8)
-    if isinstance(thing, Solids):
-        fields["placements"] = columns(thing.placements)
-    if isinstance(thing, Text):
-        glyphs = rasterize(thing.text, thing.space_width)
+    if isinstance(drawable, Solids):
+        fields["placements"] = columns(drawable.placements)
+    if isinstance(drawable, Text):
+        glyphs = rasterize(drawable.text, drawable.space_width)
         rows, cols = glyphs.mask.shape
-        size = thing.height / glyphs.pixels_per_height  # [m] per pixel
-        fields["text"] = thing.text[:_LONGEST]
+        size = drawable.height / glyphs.pixels_per_height  # [m] per pixel
+        fields["text"] = drawable.text[:_LONGEST]
         fields.update(mask=glyphs.mask, rows=rows, columns=cols, pixel=size)
-    if isinstance(thing, Sheet):
-        fields.update(rows=thing.cells.shape[0], columns=thing.cells.shape[1])
-    if isinstance(thing, Inset):
-        fields.update(rows=thing.pixels.shape[0], columns=thing.pixels.shape[1])
-        fields["camera"] = thing.camera and vars(thing.camera)
-    return {"kind": type(thing).__name__.lower(), **fields}
+    if isinstance(drawable, Sheet):
+        fields.update(rows=drawable.cells.shape[0], columns=drawable.cells.shape[1])
+    if isinstance(drawable, Inset):
+        fields.update(rows=drawable.pixels.shape[0], columns=drawable.pixels.shape[1])
+        fields["camera"] = drawable.camera and vars(drawable.camera)
+    return {"kind": type(drawable).__name__.lower(), **fields}
 
 
 @dataclass(frozen=True)

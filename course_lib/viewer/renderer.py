@@ -450,15 +450,15 @@ def _cut(a: Float32s, b: Float32s, near: float) -> Float32s:
 
 def _edges(xy: Floats) -> tuple[Floats, Floats]:
     """Return the barycentric coordinate of each corner as slope * x + offset[0] + offset[1] * y."""
-    this, other = np.roll(xy, -1, axis=1), np.roll(xy, -2, axis=1)
-    rise, run = this[..., 1] - other[..., 1], other[..., 0] - this[..., 0]
-    area = rise * (xy[..., 0] - other[..., 0]) + run * (xy[..., 1] - other[..., 1])
+    second, third = np.roll(xy, -1, axis=1), np.roll(xy, -2, axis=1)
+    rise, run = second[..., 1] - third[..., 1], third[..., 0] - second[..., 0]
+    area = rise * (xy[..., 0] - third[..., 0]) + run * (xy[..., 1] - third[..., 1])
     # The comparison also selects NaN.
     flat = ~(np.abs(area) > 1e-9)
     area[flat] = 1
     slope = np.where(flat, 0, rise / area)
     # The coordinate of a flat triangle is negative everywhere.
-    start = np.where(flat, -1, -(rise * other[..., 0] + run * other[..., 1]) / area)
+    start = np.where(flat, -1, -(rise * third[..., 0] + run * third[..., 1]) / area)
     return slope, np.stack([start, np.where(flat, 0, run / area)], axis=-1)
 
 

@@ -27,14 +27,7 @@ from typing import TypeVar
 
 from course_lib.errors import CourseError
 from course_lib.ros.dds import wire
-from course_lib.ros.dds.endpoints import (
-    Change,
-    Fragments,
-    OnSample,
-    Reader,
-    ReceivedSample,
-    Writer,
-)
+from course_lib.ros.dds.endpoints import Change, Fragments, OnSample, Reader, ReceivedSample, Writer
 from course_lib.ros.dds.wire import PREFIX_SIZE, Buffer, Endpoint, Kind, Locator, ParameterList, Pid
 from course_lib.ros.graph.topics import Qos, find_incompatible_policy
 from course_lib.ros.robot.addresses import bind_udp, common_bits, resolve, socket_towards

@@ -59,7 +59,11 @@ def link_to(robot: RobotAddress, *, notebook: bool = False) -> "RobotGraph":
     from course_lib.ros.robot.sending import Permissions
 
     report = say if notebook else print_to_stderr
-    link = _open_link(robot.router, _read_domain(robot.domain))
+    # In ROS an empty variable means domain 0, too.
+    text = (os.environ.get("ROS_DOMAIN_ID") or "0") if robot.domain is None else str(robot.domain)
+    if not text.isdecimal() or int(text) > MAX_DOMAIN:
+        raise CourseError(f"{text!r} is not a domain: expected a number from 0 to {MAX_DOMAIN}.")
+    link = _open_link(robot.router, int(text))
     allowed = (
         Permissions(allows_everything=True)
         if robot.everything
@@ -117,14 +121,6 @@ def open_dds_link(address: str, domain: int) -> "DdsLink":
     from course_lib.ros.dds.link import DdsLink
 
     return DdsLink(full_address(address).removeprefix(DDS), domain)
-
-
-def _read_domain(domain: int | None) -> int:
-    # In ROS an empty variable means domain 0, too.
-    text = (os.environ.get("ROS_DOMAIN_ID") or "0") if domain is None else str(domain)
-    if not text.isdecimal() or int(text) > MAX_DOMAIN:
-        raise CourseError(f"{text!r} is not a domain: expected a number from 0 to {MAX_DOMAIN}.")
-    return int(text)
 
 
 def connect(

@@ -97,7 +97,11 @@ class ParameterEventHandler:
     ) -> ParameterMsg | None:
         """Return a parameter that an event reports as new or changed, or None."""
         parameters = ParameterEventHandler.get_parameters_from_event(event)
-        same = (one for one in parameters if one.name == parameter_name and event.node == node_name)
+        same = (
+            parameter
+            for parameter in parameters
+            if parameter.name == parameter_name and event.node == node_name
+        )
         return next(same, None)
 
     def __on_event(self, event: ParameterEvent) -> None:

@@ -74,7 +74,9 @@ def apply_overrides(
         return profile
     profile, suffix = copy(profile), "" if options.entity_id is None else f"_{options.entity_id}"
     about = f"for {kind} `{topic}` with id `{options.entity_id}`"
-    allowed = [one for one in QoSPolicyKind if kind == "publisher" or one is not QoSPolicyKind.LIFESPAN]
+    allowed = [
+        policy for policy in QoSPolicyKind if kind == "publisher" or policy is not QoSPolicyKind.LIFESPAN
+    ]
     for policy in options.policy_kinds:
         # As in ROS, names of policies are ignored: only members of QoSPolicyKind count.
         if policy not in allowed:

@@ -284,18 +284,15 @@ def _yaml_root(data: bytes) -> Entity:
         _check_size(node)
         [(name, value)] = loader.construct_document(node).items()
     except yaml.YAMLError as error:
-        raise _yaml_error(error, data) from error
+        mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
+        # The data that precede a character which YAML does not allow.
+        before = data[: getattr(error, "position", 0)]
+        problem = getattr(error, "problem", None) or str(error).splitlines()[0]
+        line = mark.line if mark else before.count(b"\n")
+        raise EntityError(line + 1, f"not YAML: {problem}") from error
     except RecursionError as error:
         raise EntityError(1, f"more than {_MAX_DEPTH} elements are nested") from error
     return YamlEntity(str(name), node.start_mark.line + 1, value, loader.lines)
-
-
-def _yaml_error(error: Any, data: bytes) -> EntityError:
-    mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
-    # The data that precede a character which YAML does not allow.
-    before = data[: getattr(error, "position", 0)]
-    problem = getattr(error, "problem", None) or str(error).splitlines()[0]
-    return EntityError(mark.line + 1 if mark else before.count(b"\n") + 1, f"not YAML: {problem}")
 
 
 def _check_size(root: Any) -> None:
