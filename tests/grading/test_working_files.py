@@ -87,6 +87,7 @@ def test_file_task_is_graded_with_the_submitted_file(
     assert scores == {"ada": 10, "bob": 0}
 
 
+@pytest.mark.usefixtures("restored_packages")
 def test_submissions_find_assets_and_message_packages_of_the_course(
     course: Course, tmp_path: Path, write_notebook: WriteNotebook, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -122,6 +123,7 @@ def half(length):
     assert scores["week01.half"] == 40, result["judgement"]
 
 
+@pytest.mark.usefixtures("restored_packages")
 def test_types_of_assets_are_known_where_evidence_is_judged(course: Course) -> None:
     folder = course.exercises / "assets/clay_msgs"
     (folder / "msg").mkdir(parents=True)
