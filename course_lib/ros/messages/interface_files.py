@@ -145,8 +145,8 @@ def parse_interface(text: str, file: str, path: Path | None = None) -> dict[str,
     parts = PARTS[folder]
     if len(pieces) != len(parts):
         raise CourseError(
-            f"{path or file}: a .{folder} file has {len(parts)} parts with --- between them, "
-            f"not {len(pieces)}."
+            f"{path or file}: a .{folder} file has {len(parts) - 1 or 'no'} "
+            f"line{'s' if len(parts) == 3 else ''} with --- between its parts, not {len(pieces) - 1}."
         )
     texts = zip(parts, pieces, strict=True)
     types = {f"{package}/{folder}/{name}{part}": _parse(text, package) for part, text in texts}

@@ -186,8 +186,8 @@ def test_program_imports_an_interface_package_in_its_folder(folder: Path) -> Non
             {"limit_msg": "float64 low"},
             "limit.msg: the file name must be a type name like JointLimit, not 'limit'",
         ),
-        ({"Ask_srv": "float64 low"}, "Ask.srv: a .srv file has 2 parts with --- between them, not 1."),
-        ({"Go_action": "---\n"}, "Go.action: a .action file has 3 parts with --- between them, not 2."),
+        ({"Ask_srv": "float64 low"}, "Ask.srv: a .srv file has 1 line with --- between its parts, not 0."),
+        ({"Go_action": "---\n"}, "Go.action: a .action file has 2 lines with --- between its parts, not 1."),
     ],
 )
 def test_malformed_interface_file_is_reported_with_its_line(
