@@ -124,7 +124,7 @@ def _remove_stale_drafts(path: Path) -> None:
         return
     _swept.add(path.parent)
     with suppress(OSError):
-        # The times are those of the file system, which may differ from the clock of this computer.
+        # The file system's clock may differ from the clock of this computer.
         limit = path.stat().st_ctime - _STALE_AFTER
         for draft in path.parent.iterdir():
             name = _DRAFT.fullmatch(draft.name)

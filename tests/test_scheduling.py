@@ -1,4 +1,4 @@
-"""Workers of pytest-xdist run files of different kinds at a time, long ones first, and none in vain."""
+"""Workers of pytest-xdist run files of different kinds at a time, long ones first."""
 
 from collections.abc import Callable
 from pathlib import Path

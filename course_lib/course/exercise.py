@@ -200,7 +200,7 @@ MAX_LENGTH = 64
 EXTRA_CHARACTERS = "-_.@"
 
 
-# What to type in a cell, for messages.
+# The code that sets an ID, for messages.
 SET_IDENTITY = "from course_lib import set_identity; set_identity('{}')"
 
 
@@ -245,7 +245,7 @@ def set_identity(text: str) -> str:
         then = " If JupyterLab says that an open one has changed on disk, choose Overwrite."
     elif state.folder:
         where = f"in {state.folder}"
-    return f"Your ID is {student}, kept {where}.{then}"
+    return f"Your ID is {student}, stored {where}.{then}"
 
 
 def personal_number(student: str | None, key: str, choices: int) -> int:
@@ -262,7 +262,8 @@ def ask_identity() -> None:
     elif in_notebook():
         text = "Type your student ID and press Enter or Keep."
     else:
-        text = f"No page to ask in, so your student ID is not set. Type: {SET_IDENTITY.format('your-id')}"
+        command = SET_IDENTITY.format("your-id")
+        text = f"No page shows the form, so your student ID is not set. Run: {command}"
     show(lambda: _form(identity, text), text)
 
 

@@ -154,7 +154,7 @@ def cell_digest(text: str) -> str:
 def save_check(
     state: State, task_id: str, *, passed: bool, cells: Iterable[str], student: str | None
 ) -> None:
-    """Store that a task was checked now for a student, with digests of these cells."""
+    """Store the time of a check, the student, and digests of these cells."""
     time = datetime.now(UTC).isoformat(timespec="seconds")
     digests = sorted({cell_digest(cell) for cell in cells})
     check = {"time": time, "passed": passed, "cells": digests, "student": student or ""}
@@ -285,7 +285,7 @@ ASSETS = "assets"  # the folder of a course's own files, in exercises/ and in a 
 
 
 def asset_files(folder: Path) -> list[Path]:
-    """Return the files of a folder of assets, without those that Python or an editor leaves."""
+    """Return the files of an assets folder, except caches of Python and backups of editors."""
     files = filter(Path.is_file, folder.rglob("*"))
     return sorted(path for path in files if not _is_left_over(path.relative_to(folder)))
 

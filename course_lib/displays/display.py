@@ -312,7 +312,7 @@ class Display(PropertyHolder):
         """Bring the scene up to date; called once per frame."""
 
     def on_view_turned(self, camera: Camera) -> None:
-        """Update the display after the user has turned the view by hand."""
+        """Update the display after the user has turned the view."""
 
     def message_at(self, path: str) -> Any:
         """Return the message from which an object of the scene was drawn, or None if it is unknown."""
@@ -436,7 +436,7 @@ class TopicDisplay(Display):
         self._processed_ns = self._dropped_ns = 0
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
-        """Set properties from a layout, even before Galactic: ``Topic: /x``, ``Unreliable: true``."""
+        """Set properties from a layout, including old ones: ``Topic: /x``, ``Unreliable: true``."""
         topic = config.get(self.topic_label)
         if not isinstance(topic, Mapping):
             unreliable = str(config.get("Unreliable")).lower() == "true"
@@ -573,7 +573,7 @@ class TopicDisplay(Display):
                 self._drop(message, OUT_OF_CACHE)
             else:
                 self._waiting.append((received_ns, message))
-        # RViz keeps a message that waits in vain until newer ones fill the queue. It gets no hint
+        # RViz keeps a message without a transform until newer ones fill the queue. It gets no hint
         # any more when newer messages are shown: the publisher has been corrected, or replaced.
         if self._processed_ns - self._dropped_ns >= OUTDATED_AFTER:
             self.statuses.hint("Dropped")

@@ -467,7 +467,7 @@ class RobotModelDisplay(TopicDisplay):
                 scene.set_transform(node, transform @ joint.transform_joint_to_parent)
 
     def panel_rows(self) -> Iterator[tuple[tuple[str, ...], Property]]:
-        """Yield the displayed properties; the style arranges those of links and joints."""
+        """Yield the displayed properties, with links and joints arranged by the style."""
         by_row: dict[tuple[str, ...], list[Property]] = {row: [] for row in self._rows.values()}
         by_row[()] = []
         for prop in self.properties:
@@ -529,7 +529,7 @@ class RobotModelDisplay(TopicDisplay):
         self._update_joint_check_boxes()
 
     def _update_joint_check_boxes(self) -> None:
-        """Set the check box of each joint by its links, of which one can be hidden by itself."""
+        """Set the check box of each joint by its links, which can also be hidden one by one."""
         for joint, switches in self._switches.items():
             if f"Joints/{joint}" in self._values:
                 self._values[f"Joints/{joint}"] = all(self[switch] for switch in switches)

@@ -193,7 +193,7 @@ class RvizSession:
         self.refresh()
 
     def on_view_turned(self, camera: Camera) -> None:
-        """Set the view from a camera that the user turned by hand in a page."""
+        """Set the view from a camera that the user turned in a page."""
         self._framing = None
         self._view.set_from_camera(camera)
         self.context.scene.remember_camera(self._view.camera(self.context.frames))

@@ -282,10 +282,11 @@ def _regex(value: Any) -> str:
 
 @lru_cache(maxsize=64)
 def _compile(pattern: str) -> _Ends:
-    """Compile a regular expression to a function whose time does not depend on the ways to match.
+    """Compile a regular expression to a function whose run time is polynomial.
 
-    `re` tries them one after the other. Expressions like ``(a+)+b`` would take forever, and nothing
-    can interrupt the search. Only the parser and the parts for single characters are Python's.
+    `re` tries all ways to match, one after the other. Expressions like ``(a+)+b`` would take
+    forever, and nothing can interrupt the search. Only the parser and the parts for single
+    characters are Python's.
     """
     # The only parser of Python's regular expressions is a private module of `re`.
     return _sequence(import_module("re._parser").parse(pattern))
@@ -322,7 +323,7 @@ def _repeat(body: _Ends, low: int, high: int, name: str, starts: set[int]) -> se
     """Return the ends of `low` to `high` repetitions."""
     for _ in range(low):
         before, starts = starts, body(name, starts)
-        # Further repetitions change nothing either.
+        # Further repetitions do not add an end.
         if starts == before:
             break
     ends, new, count = starts, starts, low

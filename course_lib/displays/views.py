@@ -30,7 +30,7 @@ _UPRIGHT = (*COMMON[:-1], Property("Invert Z Axis", False, flag, shown_if=NEVER)
 
 
 class DragRules(Message, frozen=True):
-    """The rules by which a page turns a view by hand."""
+    """The rules by which a page moves a view when the user drags it."""
 
     # Whether the view turns around the eye instead of the focal point.
     in_place: bool
@@ -539,7 +539,7 @@ class Framing:
         return (is_first or not _are_in_view(camera, corners)) and _move(view, corners)
 
     def include(self, view: Orbit, camera: Camera, scenes: Iterable[Scene]) -> bool:
-        """Move a view so that it shows all objects in scenes, for example those of a recording.
+        """Move a view so that it shows all objects in scenes, for example of a recording.
 
         Args:
             view: The view to move.

@@ -495,7 +495,7 @@ _REGISTERING = ("import tf2_geometry_msgs", "import tf2_sensor_msgs")
 
 
 def node_classes(code: Sequence[Statement], names: Sequence[str]) -> list[Statement]:
-    """Find the classes to export: those with these names, or by default all subclasses of Node.
+    """Find the classes to export, by name or by default all subclasses of Node.
 
     Raises:
         CourseError: A name is not a class, or there are no subclasses of Node.

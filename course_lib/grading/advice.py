@@ -481,7 +481,7 @@ def missing_return_hint(task: Task, evidence: Iterable[Evidence], source: str = 
 
 
 def own_returns(function: ast.AST) -> Iterator[ast.Return]:
-    """Yield the returns of a function, without those of functions inside it."""
+    """Yield the return statements of a function, without nested functions."""
     for node in ast.iter_child_nodes(function):
         if isinstance(node, ast.Return):
             yield node

@@ -114,7 +114,7 @@ def bind_only(bind: Callable[[str, Any], None]) -> None:
 
 
 def save_progress(task: Task, result: TaskResult, cells: Sequence[str], student: str | None) -> None:
-    """Store a task's points, the cells run so far, and for whom, in the student's folder."""
+    """Store a task's points, the cells run so far and the ID, in the student's folder."""
     state = student_state()
     state.put("progress", task.id, {"score": result.score, "of": result.points})
     passed = result.passed and not result.is_untouched

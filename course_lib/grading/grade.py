@@ -586,7 +586,7 @@ def _finish(
     say(f"Wrote {out / 'gradebook.csv'} and {out / 'reports/index.html'}")
 
 
-# Number of submissions that are named with the same kind of note.
+# Number of submissions that are listed with the same kind of note.
 _MOST_NAMED = 5
 
 

@@ -183,7 +183,7 @@ def _odd_parameter_callbacks(cls: ast.ClassDef) -> Iterator[str]:
 
 
 # By the method or class that creates an object: the attributes that rclpy reads from it later, and
-# what sets its other properties.
+# the calls that set its other properties.
 _READ_LATER = {
     "create_timer": (
         {"callback", "timer_period_ns"},
@@ -381,7 +381,7 @@ def _replaced_stamps(cls: ast.ClassDef) -> Iterator[str]:
 
 
 def _unread_values(cls: ast.ClassDef) -> Iterator[str]:
-    """Yield a sentence for each value that a callback of a plain node stores in vain."""
+    """Yield a sentence for each stored value of a plain node's callback that nothing reads."""
     if [ast.unparse(base) for base in cls.bases] != ["Node"]:
         return
     read = {

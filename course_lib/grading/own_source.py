@@ -52,7 +52,7 @@ def is_from_cell(subject: Any, cell: str) -> bool:
     definitions = dict(_definitions(cell))
     if not definitions:
         return _is_valid(cell)
-    # A definition in a block, like the body of an if, is not among those at the top level.
+    # A definition in a block, like the body of an if, is not a top-level statement.
     return definitions.get(subject.__name__, found[0]) == found[0]
 
 

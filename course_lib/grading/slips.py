@@ -87,7 +87,7 @@ def _blocks(function: Function) -> Iterator[Sequence[ast.stmt]]:
 
 
 def quote(node: ast.AST) -> str:
-    """Return the first line of a statement in double quotes, cut to a readable length."""
+    """Return the first line of a statement in double quotes, truncated to a readable length."""
     text = ast.unparse(node).splitlines()[0]
     return f'"{text}"' if len(text) <= _LONGEST else f'"{text[: _LONGEST - 1]}…"'
 
@@ -255,7 +255,7 @@ def _loops(block: Sequence[ast.stmt], function: str) -> Iterator[str]:
 
 
 def _restarts(loop: ast.For) -> Iterator[tuple[str, ast.stmt]]:
-    """Yield each variable that a loop sets anew and then only changes, and the statement."""
+    """Yield each variable that a loop resets and then only updates, and the first statement."""
     for index, statement in enumerate(loop.body):
         match statement:
             case ast.Assign(targets=[ast.Name(id=name)], value=value) if not uses(value, name):

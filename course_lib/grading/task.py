@@ -278,9 +278,9 @@ class Catalog:
         return (week.bonus[name], True) if name in week.bonus else (week.points[name], False)
 
     def with_assets(self, week: str, files: Mapping[str, str]) -> dict[str, str | bytes]:
-        """Return a submission's files and its week's assets, without `assets/weekNN` of others.
+        """Return a submission's files and its week's assets, without assets of other weeks.
 
-        A change of an asset runs the submissions again that find it.
+        If an asset changes, the submissions that can read it are run again.
         """
         assets = {
             name: content
@@ -321,7 +321,7 @@ def load_catalog(exercises: Path, solutions: Path | None = None) -> Catalog:
 
 
 def _load_assets(folder: Path, course: CourseFile) -> dict[str, bytes]:
-    """Return the contents of the assets, and add their message types to those of this process.
+    """Return the contents of the assets, and register their message types in this process.
 
     Raises:
         CourseError: The assets are too large, or a message file is invalid.
@@ -340,7 +340,7 @@ def _load_assets(folder: Path, course: CourseFile) -> dict[str, bytes]:
         prepend_paths("ROS_PACKAGE_PATH", [folder.resolve()])
         known = {name.split("/")[0] for name in field_definitions()}
         for name, package in packages_below(folder.resolve()).items():
-            # Evidence is judged in other processes, which import no type and decode known ones only.
+            # Evidence is judged in other processes, which decode known types only.
             if name not in known and has_interfaces(package):
                 add_package(package, name)
     return {f"{ASSETS}/{path.relative_to(folder).as_posix()}": path.read_bytes() for path in paths}

@@ -256,7 +256,7 @@ _TOPICS = "SELECT id, name, type, serialization_format, offered_qos_profiles FRO
 _DEFINITIONS_TABLE = "SELECT 1 FROM sqlite_master WHERE name = 'message_definitions'"
 _DEFINITIONS = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
 # The encodings of definitions in the formats of .msg and .idl files. rosbag2 writes the third one
-# for services whose definitions name no other types, and where it does not find a definition.
+# for services whose definitions use no other types, and where it does not find a definition.
 _TEXT_ENCODINGS = ("ros2msg", "ros2idl", "unknown")
 # Without the index, because it may be incomplete.
 _MESSAGES = "SELECT timestamp, topic_id, data FROM messages NOT INDEXED"

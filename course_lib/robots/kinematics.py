@@ -325,14 +325,17 @@ def joints_for(
     if goal.shape != (4, 4) or not np.allclose(goal[:3, :3] @ goal[:3, :3].T, np.eye(3), atol=1e-6):
         raise CourseError(f"The pose {goal.tolist()} is not a rigid transform of shape (4, 4), link to root.")
     random, positions = np.random.default_rng(0), arm.with_mimic_joints(configuration(robot, start or {}))
-    lower, upper = np.maximum(arm.lower, -np.pi)[arm.driven], np.minimum(arm.upper, np.pi)[arm.driven]
+    lower, upper = (
+        np.maximum(arm.lower, -np.pi)[arm.driving_joints],
+        np.minimum(arm.upper, np.pi)[arm.driving_joints],
+    )
     for _ in range(STARTS):
         positions, gap = _iterate(arm, goal, positions)
         if np.abs(gap).max() < ACCURACY:
             named_positions = zip(arm.motions.joints, map(float, positions), strict=True)
             return {joint.name: position for joint, position in named_positions if joint.kind in MOVING}
         tries.append(gap)
-        positions[arm.driven] = random.uniform(lower, upper)
+        positions[arm.driving_joints] = random.uniform(lower, upper)
         positions = arm.with_mimic_joints(positions)
     smallest_gap = min(tries, key=lambda gap: float(np.linalg.norm(gap)))
     meters, degrees = np.linalg.norm(smallest_gap[:3]), np.degrees(np.linalg.norm(smallest_gap[3:]))
@@ -351,7 +354,7 @@ class Arm:
     Args:
         motions: The robot's n joints.
         chain: The indices of the joints between the root and the link, in this order.
-        driven: The indices of joints that determine these: the joints themselves, or those they
+        driving_joints: The indices of joints that determine these: the joints themselves, or those they
             mimic.
         lower, upper: Limits of all positions, shape (n,), [rad] or [m]. Those of mimic joints are
             not used.
@@ -361,7 +364,7 @@ class Arm:
 
     motions: Motions
     chain: list[int]
-    driven: list[int]
+    driving_joints: list[int]
     lower: Floats
     upper: Floats
     factors: Matrix

@@ -440,7 +440,7 @@ class Urdf:
     joints: Mapping[str, Joint]
 
     def resolve_mimic(self, joint: Joint) -> Mimic:
-        """Return a joint's position by the last joint of its mimic chain, which may be itself.
+        """Express a joint's position by the position of the last joint in its mimic chain.
 
         Raises:
             CourseError: Joints mimic each other in a cycle.

@@ -109,7 +109,7 @@ _KIT = ("course_lib", "course_lib.robots", "course_lib.displays", "course_lib.se
 # Methods of a Buffer of tf2.
 OF_BUFFER = ("can_transform", "lookup_transform", "lookup_transform_async", "transform", "set_transform")
 _STDLIB = ("time", "os", "sys", "random", "json", "copy", "re", "datetime", "threading", "itertools")
-# The field that is meant by a word of everyday speech, or of another library.
+# Fields by their everyday names, and by their names in other libraries.
 _SYNONYMS = {
     "size": ("scale", "dimensions"),
     "scale": ("size",),
@@ -185,7 +185,7 @@ ROS_1 = {
 
 
 def sort_by_likelihood(types: Iterable[str]) -> list[str]:
-    """Return message types, those of common packages before others of the same name, like Point."""
+    """Sort message types: of types with the same name, like Point, common packages come first."""
 
     def rank(name: str) -> int:
         package = name.partition("/")[0]
@@ -345,7 +345,7 @@ def _import_hint(missing: str, importable: Mapping[str, str], line: str) -> str:
 
 def _similar_variable(missing: str, frame: FrameType) -> str:
     """Return a hint for the variable or class whose name is closest to an undefined one, or ""."""
-    # The name of the function itself, like confidence_color, often resembles that of its parameter.
+    # A function's own name, like confidence_color, often resembles the name of its parameter.
     names = [name for name in (*frame.f_locals, *frame.f_globals) if name != frame.f_code.co_name]
     similar = nearest(missing, names)
     kind = frame.f_globals.get(similar)

@@ -38,7 +38,7 @@ _DECIMAL_COMMA = re.compile(r"(?<![\w.,])-?\d+,\d+(?!\w|\.|,\d)")
 def syntax_hint(error: SyntaxError) -> str:
     """Return the hint for a syntax error, or "" if Python's message needs no explanation."""
     message = error.msg or ""
-    # IPython compiles a syntax tree, whose errors of scopes have no text.
+    # IPython compiles a syntax tree. Its scope errors do not contain the line.
     line = error.text or linecache.getline(error.filename or "", error.lineno or 0)
     if message.startswith("invalid character '·'") and re.search(r"\d·\d", line):
         return "a decimal number has a point, 0.5: instead of · write the point of the keyboard."
@@ -63,7 +63,7 @@ _WORD = r"\(?[A-Za-z]+(?:['\u2019][a-z]+)?[.,:!?)]*"
 
 
 def _is_prose(line: str) -> bool:
-    """Return whether a line is a sentence of English, like "Sure! Here is the corrected function:".
+    """Return whether a line is an English sentence, like "Sure! Here is the corrected function:".
 
     In code, two words that are not keywords never follow each other.
     """
@@ -77,7 +77,7 @@ def _is_prose(line: str) -> bool:
     if is_statement and not text.rstrip().endswith((".", "!")):
         return False
     plain = [re.fullmatch(_WORD, word) is not None for word in words]
-    # Words with a comma after them also follow each other in code.
+    # Words separated by commas also occur in code.
     pairs = sum(
         re.fullmatch(_WORD, second) is not None
         and first.isalpha()

@@ -237,7 +237,7 @@ def range_hint(error: BaseException, text: str) -> str:
 
 
 def index_hint(error: BaseException) -> str:
-    """Return the hint for an index behind the end of a list, with the numbers, or ""."""
+    """Return the hint for an index beyond the end of a list, with the numbers, or ""."""
     frame, line = near_names.frame_of(error), near_names.line_of_student(error)
     if frame is None or not isinstance(error, IndexError):
         return ""
@@ -272,7 +272,7 @@ def _value_of(index: str, names: Mapping[str, Any]) -> int | None:
     return total
 
 
-# Methods that change their object, and functions that only write, both of which return None.
+# Methods that change their object, and functions that only print. Both return None.
 _WITHOUT_RESULT = r"\w+\.(?:append|extend|insert|remove|reverse|sort|update|add|shuffle)|print"
 
 

@@ -238,7 +238,7 @@ class PerformanceReport:
         rates: _Bars = [(row.topic, row.rate) for row in self.topics]
         latencies: _Bars = [(row.topic, row.latency and row.latency * 1e3) for row in self.topics]
         busy: _Bars = [(f"{row.node} {row.callback}", row.busy * 1e2) for row in self.callbacks]
-        # Rates and latencies share the names of the topics, and so half the height.
+        # Charts of rates and latencies share the topic names, which halves the height.
         rows = [
             {"Rate [Hz]": rates, "Mean latency [ms]": latencies},
             {"Busy, robot time [%]": busy},

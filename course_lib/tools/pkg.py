@@ -37,7 +37,7 @@ def pkg_verbs(executables: "Executables") -> tuple[Verb, ...]:
             "executables",
             "Output a list of package specific executables",
             _EXECUTABLES,
-            partial(_executables, executables),
+            partial(_list_executables, executables),
         ),
         verb("prefix", "Output the prefix path of a package", _PREFIX, partial(_prefix, executables)),
         verb(
@@ -53,7 +53,7 @@ def _list(executables: "Executables", source: Source, arguments: Namespace, writ
     write("".join(f"{name}\n" for name in _names(executables)))
 
 
-def _executables(
+def _list_executables(
     executables: "Executables",
     source: Source,
     arguments: Namespace,

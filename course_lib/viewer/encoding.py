@@ -29,7 +29,7 @@ _CAPITAL = 46
 # Margin around the letters, for descenders and accents [px].
 _MARGIN = 16
 _LINE = 74  # [px] line spacing
-_WIDEST_SPACE = 20.0  # in heights of a capital letter
+_WIDEST_SPACE = 20.0  # width in units of the height of a capital letter
 # Texture size that every graphics card supports [px].
 _LARGEST = 4096
 # The maximum number of letters.
@@ -200,7 +200,7 @@ def missing_characters(text: str) -> str:
 
 def _missing_in(font: ImageFont.FreeTypeFont, text: str) -> str:
     box = bytes(font.getmask("\uffff"))
-    # In a font without a box, the image of a space is that of a missing character.
+    # A font without a box draws a missing character like a space.
     characters = dict.fromkeys(
         character for character in text if character.isprintable() and character != " "
     )

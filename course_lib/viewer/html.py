@@ -182,7 +182,7 @@ def scene_fragment(
     label: str = "3D view",
     alone: bool = False,
 ) -> str:
-    """Return the element that shows a scene in a page; put `bundle_code` once after the last one.
+    """Return the element that shows a scene in a page, which needs `bundle_code` at its end.
 
     Args:
         scene: A scene to show in its current state, or a recording to play with a time bar.

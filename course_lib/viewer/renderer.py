@@ -126,7 +126,7 @@ class Triangles:
 
 @dataclass(frozen=True)
 class Dots:
-    """Squares or discs that are too small to show more than their size, aligned with the image."""
+    """Squares or discs aligned with the image, for points too small to show another shape."""
 
     # x right, y up, -z ahead of the camera [m], shape (N, 3)
     centers: Float32s
@@ -253,9 +253,9 @@ def _lines(lines: drawables.Lines, view: Viewpoint) -> Triangles:
     return _triangles(corners[:, end, side].reshape(-1, 3, 3).astype(np.float32), tints.reshape(-1, 3, 4))
 
 
-# The number of points from which on small ones are drawn as dots, which takes a tenth of the time.
+# From this number on, small points are drawn as dots, which takes a tenth of the time.
 _MANY_POINTS = 20_000
-# Larger points show their shape [px].
+# Maximum diameter of a dot: larger points show their shape [px].
 _LARGEST_DOT = 4.0
 
 
@@ -266,7 +266,7 @@ def _split_points(points: drawables.Points, view: Viewpoint) -> tuple[Dots, draw
     widths, pixel = _sizes(points, view, centers)[:, 0], view.pixel(centers)[:, 0]
     shade = np.ones(1, np.float32)
     if points.spot in ("box", "tile") and not points.pixels:
-        # The part of each side that is seen, which is the area of the silhouette in sides.
+        # The projected area of each side, as a fraction of the side's area.
         sight = np.array([[0.0, 0.0, 1.0]]) if view.camera.orthographic_scale else -centers
         seen = (sight @ view.transform_object_to_camera[:3, :3]).astype(np.float32)
         seen /= np.maximum(np.linalg.norm(seen, axis=1, keepdims=True), 1e-9)

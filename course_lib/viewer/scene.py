@@ -307,7 +307,7 @@ def _middle(scene: Scene, path: str, drawable: drawables.Drawable) -> str:
 _MANY = 50
 # Percentiles of each coordinate that bound many points.
 _MOST = (2.0, 98.0)
-# Of more points, every n-th one is sufficient for percentiles.
+# In larger clouds, percentiles are computed from every n-th point.
 _SAMPLED = 20_000
 
 

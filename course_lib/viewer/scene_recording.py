@@ -30,8 +30,8 @@ else:
 _CHANGE = 500
 # Size of a chunk that is compressed.
 _FRAMES, _BYTES = 32, 2_000_000
-# Bytes of a frame from which compression does not pay off: large values are points without a
-# pattern.
+# Frame size above which compression does not pay off, because large values are points without a
+# pattern [bytes].
 _LARGE = 1_000_000
 # The compression level of zstd; level 3 takes a third longer and saves a tenth.
 _LEVEL = 1

@@ -150,7 +150,7 @@ class SceneWidget(anywidget.AnyWidget):
     label = traitlets.Unicode("3D view").tag(sync=True)
     # Label and contents, for a view without panels.
     words = traitlets.Unicode().tag(sync=True)
-    # Whether JupyterLab shows it, or another view of the notebook, in a side panel.
+    # Whether JupyterLab shows this view, or another one of the notebook, in a side panel.
     beside = traitlets.Bool(False).tag(sync=True)
     # Model of the side panel, while it shows this widget.
     panel = traitlets.Unicode().tag(sync=True)

@@ -84,7 +84,7 @@ def test_lesson_that_violates_a_rule_is_reported(
     assert [line for line in flaws if text in line], flaws
 
 
-def test_command_that_continues_on_further_lines_is_no_syntax_error() -> None:
+def test_command_that_continues_on_further_lines_is_not_a_syntax_error() -> None:
     tree = parse_cell("%ros2 topic list | \\\n    grep \\\n    scan\nrclpy.init()\n!ls")
     assert [ast.unparse(statement) for statement in tree.body] == ["rclpy.init()"]
     with pytest.raises(SyntaxError):

@@ -79,7 +79,7 @@ def main() -> None:
         parents = {tree.joints[moved].child: tree.joints[moved].parent for moved in positions}
         show(
             f"{name}: poses of links",
-            lambda: link_poses(robot, positions),  # noqa: B023  # called at once
+            lambda: link_poses(robot, positions),  # noqa: B023  # called immediately
             lambda: by_pinocchio.link_poses(model, positions),  # noqa: B023  # as above
         )
         show(

@@ -91,7 +91,7 @@ def test_goal_keeps_its_direction_when_the_pointer_leaves_the_ground(bench: Benc
 
 
 @pytest.mark.slow
-def test_focus_tool_looks_in_the_direction_of_a_click_beside_all_objects(bench: Bench) -> None:
+def test_focus_tool_looks_in_the_direction_of_a_click_that_hits_no_object(bench: Bench) -> None:
     before = bench.viewer.view["Distance"]
     bench.page.locator("canvas").press("c")
     bench.drag((250, -130))

@@ -100,7 +100,7 @@ def test_two_scenes_on_one_page_share_one_script(browser: Browser) -> None:
     page.close()
 
 
-def test_buttons_of_a_view_stand_beside_its_pictures(browser: Browser, tmp_path: Path) -> None:
+def test_buttons_of_a_view_do_not_cover_its_pictures(browser: Browser, tmp_path: Path) -> None:
     page = browser.new_page(viewport={"width": 400, "height": 300})
     scene = colored(RED)
     distances = []  # [px] of the button from the right edge

@@ -71,8 +71,8 @@ def test_identity_question_outside_a_notebook_prints_how_to_answer(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     ask_identity()
-    # What the text says to type works in a new kernel.
-    typed = capsys.readouterr().out.partition("Type: ")[2].replace("your-id", "s2")
+    # The printed command works in a new kernel.
+    typed = capsys.readouterr().out.partition("Run: ")[2].replace("your-id", "s2")
     exec(typed, {})
     assert current_identity() == "s2"
     set_identity("s1")

@@ -156,7 +156,7 @@ def test_few_far_points_of_a_cloud_do_not_shrink_the_others(viewer: Viewer) -> N
     assert is_in_picture(viewer.camera, (-2.9, 0.0, 0.0), (2.9, 0.0, 0.0))
 
 
-def test_bounds_of_a_large_cloud_are_those_of_its_percentiles() -> None:
+def test_bounds_of_a_large_cloud_are_percentiles() -> None:
     scene = Scene()
     points = np.random.default_rng(3).normal(0.0, 1.0, (300_000, 3)).astype(np.float32)
     points[7] = (5000.0, 0.0, 0.0)

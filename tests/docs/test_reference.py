@@ -31,7 +31,7 @@ def public(module: str) -> list[tuple[str, Any]]:
 
 
 def own_docstring(found: Any) -> str:
-    """Return the docstring; that of a base class does not count."""
+    """Return the object's own docstring, not an inherited one."""
     text = found.__dict__.get("__doc__") if inspect.isclass(found) else inspect.getdoc(found)
     return inspect.cleandoc(text or "")
 

@@ -229,7 +229,7 @@ def test_task_hints_are_for_mistakes_that_a_check_can_report() -> None:
     assert {k for k in kinds if not any(fnmatchcase(k, known) for known in hints_by_mistake())} == set()
 
 
-def test_hint_for_a_part_of_a_value_precedes_that_of_its_kind() -> None:
+def test_hint_for_a_part_of_a_value_precedes_the_hint_for_its_kind() -> None:
     own = replace(TASK, mistakes={"a value is wrong: the gap": "The longest one.", MISTAKE: "Half."})
     assert Advice().hint(own, result(failing("a value is wrong: the gap"))) == ["Hint: The longest one."]
     assert Advice().hint(own, result(failing(f"{MISTAKE}: the gap"))) == ["Hint: Half."]

@@ -32,7 +32,7 @@ def caught(body: str) -> CaughtErrors:
         ("import contextlib\nwith contextlib.suppress(Exception):\n    marker", "with contextlib.suppress("),
     ],
 )
-def test_mistake_behind_a_handler_of_every_error_is_named(body: str, head: str) -> None:
+def test_mistake_hidden_by_a_handler_of_every_error_is_reported(body: str, head: str) -> None:
     text = caught(body).mistake
     assert text.startswith(f'"{head}')
     assert "hides this error: NameError: name 'marker' is not defined (line " in text

@@ -237,7 +237,7 @@ def test_resume_rejudges_results_of_changed_checks(
     stored_result = read_result(out / "results/ada/week01_exercise.json").result.digest
     check_file = course.exercises / "checks/week01.py"
     check_file.write_text(check_file.read_text() + "# another hint\n")
-    rules_of.cache_clear()  # as a grader started anew
+    rules_of.cache_clear()  # as in a new grader process
     grade(submissions, out, jobs=1, resume=True, course=course)
     result = read_result(out / "results/ada/week01_exercise.json")
     assert result.result.digest not in ("", stored_result)

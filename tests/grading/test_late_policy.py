@@ -148,7 +148,7 @@ def test_extension_for_one_student_updates_only_one_result_without_rejudging(
 
     def marks_after(text: str) -> dict[str, tuple[float, int]]:
         path.write_text(text)
-        catalog_of.cache_clear()  # as a grader started anew
+        catalog_of.cache_clear()  # as in a new grader process
         rules_of.cache_clear()
         grade(tmp_path / "in", out, jobs=1, resume=True, course=course)
         marks = {one.student: one.row.mark for one in results_in(out)}

@@ -156,7 +156,7 @@ def test_check_scores_only_if_its_required_checks_pass() -> None:
     assert result.checks[1].message == 'checked once "a cube" passes'
 
 
-def test_unmet_requirement_is_named_by_its_row_or_else_by_its_own_message() -> None:
+def test_unmet_requirement_is_reported_with_its_row_or_else_its_message() -> None:
     shape = Check("the marker: type", lambda evidence: Verdict(0.0, "it is a sphere"))
     always = Check("all the time", lambda evidence: Verdict(0.0, "silent from 2 s to 4 s"))
     rate = Check("once a second", lambda evidence: Verdict(1.0, "as expected"))

@@ -190,7 +190,7 @@ def increase(number: int) -> int:
     return number + 1
 
 
-def test_endless_loop_around_a_call_is_named_by_its_own_line() -> None:
+def test_endless_loop_around_a_call_is_reported_with_its_own_line() -> None:
     (message,) = run(loop_around_a_call, wall_limit=0.2).errors
     assert 'while re.compile("a"):' in message
 

@@ -690,7 +690,7 @@ def test_replaced_stamp_of_a_received_message_is_reported() -> None:
     assert "replaces the time at which message was made" in find_slip(source)
 
 
-def test_radians_of_an_angle_in_radians_are_questioned() -> None:
+def test_conversion_of_an_angle_in_radians_is_reported() -> None:
     source = "def turned(x, yaw):\n    yaw = math.radians(yaw)\n    return x * math.cos(yaw)\n"
     assert find_slip(source).startswith('"yaw = math.radians(yaw)": angles are in radians here')
 

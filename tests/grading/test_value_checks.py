@@ -40,7 +40,7 @@ def test_equal_values_pass_in_every_supported_type(evidence: MakeEvidence, value
         ([1.0, 2.0], [1.0, 4.0], ["[1] of the tip"]),
     ],
 )
-def test_numbers_of_a_point_are_called_by_their_axes(
+def test_wrong_number_of_a_point_is_reported_with_its_axis(
     evidence: MakeEvidence, expected: Any, value: Any, names: list[str]
 ) -> None:
     check = expect_value(expected, name="the tip", axes="x y z, red green blue alpha")
@@ -48,7 +48,7 @@ def test_numbers_of_a_point_are_called_by_their_axes(
     assert [part.split(" is ")[0] for part in message.split("; ")] == names
 
 
-def test_exchanged_axes_are_named(evidence: MakeEvidence) -> None:
+def test_exchanged_axes_are_reported(evidence: MakeEvidence) -> None:
     check = expect_value([0.0, 0.0, 0.25], name="the centre", axes="x y z")
     message = check.judge(evidence(returns=([0.25, 0.0, 0.0],))).message
     assert message == "the centre is [0.25, 0.0, 0.0], expected [0.0, 0.0, 0.25]: x and z are exchanged"

@@ -25,7 +25,7 @@ _BYTES = "Bytes that are not a message"
 _BYTES_AS_NAMES = "Names as bytes, `create_publisher(String, b'chatter', 10)`"
 _DDS_NAMES = "`get_topic_names_and_types(no_demangle=True)`"
 _ASSERTIONS = "Texts of assertions and of wrong types"
-_FOR_EVER, _FIELD = "Waiting for ever", "A field of the wrong type"
+_FOREVER, _FIELD = "Waiting forever", "A field of the wrong type"
 _NUMBERS = "Arrays of numbers"
 # By file and probe.
 PROBES: dict[str, dict[str, Difference]] = {
@@ -127,7 +127,7 @@ OTHER_VALUES = {"PerceptionVisualizer": "Random numbers"}
 # one measures a rate with it.
 _CLOCK = "The clock"
 NODES = {
-    "week06_tooling: Home()": _FOR_EVER,
+    "week06_tooling: Home()": _FOREVER,
     "week06_tooling: FirstMonitor()": _CLOCK,
     "week07_dashboard: TfPublisher()": _CLOCK,
     "week07_dashboard: PathPublisher()": _CLOCK,
@@ -143,11 +143,11 @@ def without_values(outcome: dict[str, Any]) -> dict[str, Any]:
 
 # Students' mistakes whose error differs, by the text of the program, with their row.
 MISTAKES = {
-    "rate = node.create_rate(1)\nnode.create_timer(0.1, rate.sleep)\nrclpy.spin(node)": _FOR_EVER,
+    "rate = node.create_rate(1)\nnode.create_timer(0.1, rate.sleep)\nrclpy.spin(node)": _FOREVER,
     "node.create_service(AddTwoInts, 'add', lambda request, response: response)\n"
     "client = node.create_client(AddTwoInts, 'add')\n"
     "node.create_timer(0.1, lambda: client.call(AddTwoInts.Request()))\n"
-    "rclpy.spin(node)": _FOR_EVER,
+    "rclpy.spin(node)": _FOREVER,
     "node.create_timer(0.1, lambda: rclpy.spin(node))\nrclpy.spin(node)": "`rclpy.spin` in a callback",
     "ActionServer(node, AddTwoInts, 'count', print)": "A service as the type of an action",
     "ActionServer(node, Fibonacci, 'count', lambda goal: goal.succeed())\n"

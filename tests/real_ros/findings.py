@@ -215,7 +215,7 @@ STATEMENTS = {
     "lifespan": ("row Lifespan",),
     "domains": ("row Domains",),
     "discovery": ("row Discovery",),
-    "waiting for ever": ("row Waiting for ever",),
+    "waiting for ever": ("row Waiting forever",),
 }
 
 FINDINGS = SERIOUS | MEDIUM | SMALL | STATEMENTS

@@ -66,7 +66,7 @@ def test_no_frozen_outcome_is_an_error_of_the_probe_itself(file: str) -> None:
 def test_probe_has_the_outcome_of_the_real_rclpy(file: str) -> None:
     frozen, kits, wrong = frozen_outcomes(file), _kits(file), {}
     if sys.version_info >= (3, 14):
-        # The real rclpy was asked with Python 3.12, in which gather creates an event loop.
+        # The outcomes were recorded with Python 3.12, in which gather creates an event loop.
         frozen.pop("task.asyncio_gather", None)
     for name, outcome in frozen.items():
         expected, actual = without_python_version(outcome), without_python_version(kits[name])

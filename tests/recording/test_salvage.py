@@ -228,7 +228,9 @@ def test_messages_that_an_mcap_file_lost_are_counted_in_a_warning(
         (3000, "the end of bag.db3 is missing"),
     ],
 )
-def test_error_about_a_truncated_sqlite_file_says_what_to_do(size: int, damage: str, tmp_path: Path) -> None:
+def test_error_about_a_truncated_sqlite_file_states_the_next_step(
+    size: int, damage: str, tmp_path: Path
+) -> None:
     file = write(make_recording(10), tmp_path / "bag", StoragePlugin.SQLITE3)
     file.write_bytes(file.read_bytes()[:size])
     with pytest.raises(CourseError) as refused:
@@ -531,7 +533,7 @@ def test_rows_of_sqlite_that_are_not_messages_are_left_out_with_a_warning(
     assert "damaged" in capsys.readouterr().err
 
 
-def test_storage_that_differs_from_the_files_is_named(
+def test_storage_that_differs_from_the_files_is_reported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     write(make_recording(5), tmp_path / "bag", StoragePlugin.MCAP)

@@ -94,7 +94,7 @@ def test_own_module_in_two_folders_does_not_hide_a_library(
     del sys.modules["my_gripper"]
 
 
-def test_module_of_a_package_that_is_not_imported_is_named(
+def test_module_of_a_package_that_is_not_imported_is_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "arm_parts").mkdir()

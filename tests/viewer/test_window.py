@@ -89,7 +89,7 @@ def test_color_property_is_applied_to_all_descendants_of_a_path(scene: Scene, vi
     assert np.array_equal(render_pixels(scene), render_pixels(expected))
 
 
-def test_camera_and_background_are_those_of_the_scene(scene: Scene, vis: Any) -> None:
+def test_camera_and_background_are_taken_from_the_scene(scene: Scene, vis: Any) -> None:
     vis["/Cameras/default/rotated/<object>"].set_property("position", [1.0, 2.0, -3.0])
     target = np.eye(4)
     target[:3, 3] = 0, 0, 1  # [m]

@@ -635,7 +635,7 @@ class LiveTime:
         """Return ROS time and wall time."""
         now_ns = self._view_time.ros_ns(self._graph.now_ns)
         wall_now, wall_elapsed = wall.time_ns() / NS, wall.monotonic() - self._wall
-        # ROS time starts anew with another source, and after a jump back.
+        # ROS time restarts with another source, and after a jump back.
         source = self._view_time.use_sim_time
         if self._start is None or self._start[0] != source or not 0 < self._start[1] <= now_ns:
             self._start = source, now_ns

@@ -1,4 +1,4 @@
-"""All messages between the panels and their page: a state and its changes, and orders.
+"""The messages between the panels and their page: the state, its changes, and orders of the page.
 
 ``viewer/js/protocol.d.ts`` is generated from these classes: ``python -m
 tests.viewer.declarations``.

@@ -312,7 +312,7 @@ def settle(
     for root in roots:
         for user in users:
             has_own = root == "own"
-            # In a root of its own, everything that it contains is readable.
+            # A separate root contains only readable files.
             tops = sorted({"/" + path.split("/")[1] for path in read})
             folder, visible_paths = (INSIDE, tops) if has_own else (scratch, read)
             place = JailEnvironment(root, user, number, folder, tuple(visible_paths), tuple(listed))

@@ -119,7 +119,7 @@ def scored_rows(
 
 
 def _join_titles(titles: str, title: str) -> str:
-    """Append a title to those of a row, without the start up to a colon that it shares with the last one."""
+    """Append a title to a row's titles, without a scenario that it shares with the last title."""
     scenario, _, rest = title.rpartition(": ")
     is_shared = scenario and titles.rpartition("; ")[2].startswith(f"{scenario}: ")
     return f"{titles}, {rest}" if is_shared else f"{titles}; {title}"

@@ -81,7 +81,7 @@ def _max_scene_size(sizes: Sequence[int], room: int) -> int:
 
 
 def _hand_marks(result: Result, out: Path) -> list[HandMark]:
-    """Return the points of graders."""
+    """Return the points that graders gave by hand."""
     return read_marks(store.marks_path(out, result.submission.student, result.submission.exercise))
 
 

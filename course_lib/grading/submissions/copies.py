@@ -566,7 +566,7 @@ def _match_lines(
 
 
 def _blocks(work: Work, like: Mapping[int, int], released: ReleasedCode) -> list[Block]:
-    """Group the lines of a submission: released, as in the other submission, or its own."""
+    """Group consecutive lines by origin: released code, the other submission, or neither."""
     kind: Kind = "given"
     lines: list[Line] = []
     for number, text in enumerate(line for cell in work.cells for line in numbered_lines(cell)):

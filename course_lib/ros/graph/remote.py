@@ -291,7 +291,7 @@ class GraphServer:
         }
 
     def serve(self) -> None:
-        """Serve requests until the process is idle or sends a frame that is no request.
+        """Serve requests until the process is idle or sends a frame that is not a request.
 
         Raises:
             ChannelError: A frame is invalid. It has had no effect.

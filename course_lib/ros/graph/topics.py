@@ -94,7 +94,7 @@ SERVICE_HEADER = struct.Struct("<qq")
 
 
 def service_topics(name: str, type_name: str) -> tuple[tuple[str, str], tuple[str, str]]:
-    """Return the topic and the type of a service's requests, and those of its replies."""
+    """Return topic and type of a service's requests, and topic and type of its replies."""
     requests, replies = (f"{prefix}{name}{suffix}" for prefix, suffix in SERVICE_TOPICS)
     return (requests, f"{type_name}_Request"), (replies, f"{type_name}_Response")
 

@@ -101,7 +101,7 @@ class CdrLayout:
         self._offset = (self._offset + size_of(code)) % self._step
 
     def align(self, size: int) -> None:
-        """Continue at a multiple of `size`."""
+        """Align the position to a multiple of `size`."""
         if size > self._step:
             self.flush()
             self.lines.append(self.pad_line(size))

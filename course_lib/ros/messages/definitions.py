@@ -158,7 +158,7 @@ def _reject_recursion(types_by_file: Mapping[Path, Sequence[str]]) -> None:
         while waiting:
             fields = _parse_definition(waiting.pop()).fields
             bases = {field.base for field in fields if field.is_message}
-            # A wide string is no type of the store.
+            # The store has no type for wide strings.
             waiting += (bases - inside) & field_definitions().keys()
             inside |= bases
         if name in inside:

@@ -570,7 +570,7 @@ class _IdlReader:
         )
 
     def _read_constant(self, scope: tuple[str, ...]) -> None:
-        """Read a constant. Those of a message are in a module like `Name_Constants`."""
+        """Read a constant. A module like `Name_Constants` contains the constants of a message."""
         form = self._read_type(scope)
         name = self._take_name()
         self._expect("=")

@@ -287,7 +287,7 @@ class Processes:
 
 @contextmanager
 def _event_loop() -> Iterator[None]:
-    """Give the calling thread an event loop, which a process has for `asyncio.get_event_loop()`."""
+    """Set an event loop in the calling thread, so that `asyncio.get_event_loop()` finds one."""
     # Imported late, because programs that run alone do not need it.
     import asyncio
 

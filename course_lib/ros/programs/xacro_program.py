@@ -44,7 +44,7 @@ def run_xacro(arguments: Sequence[str]) -> ProgramResult:
 
     import xacro
 
-    # The function replaces the builtin one for the file and those that it includes.
+    # The function replaces the builtin one for the file and all included files.
     vars(xacro)["open"] = _open_regular
     # Warnings about the workspace are written here, not among the errors of xacro.
     packages()

@@ -716,7 +716,7 @@ class RobotGraph(Graph):
                     continue
                 nodes = [self._nodes[info.node].full_name for info in (publisher, subscription)]
                 line = qos_warning(topic, policy, *nodes, is_enforced=self.link.is_qos_enforced)
-                # Once for each node of the kit, even if the robot's node restarts.
+                # Each node of the kit is reported once, even if the robot's node restarts.
                 own_node = nodes[subscription.node in self._own_nodes]
                 self._report_once(f"qos {topic} {policy} {own_node}", line)
 

@@ -417,7 +417,7 @@ class TimeLock:
 
     @contextmanager
     def polling(self) -> Iterator[None]:
-        """If the run's end or Ctrl+C interrupts the block, print the condition polled in vain."""
+        """If the run's end or Ctrl+C interrupts the block, print the polled condition."""
         try:
             yield
         except KeyboardInterrupt:

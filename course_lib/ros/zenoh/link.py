@@ -467,7 +467,7 @@ class ZenohPublisher(NetworkPublisher):
         return self._link.is_up() and bool(self._removals) and bool(self._probe.matching_status.matching)
 
     def put(self, cdr: bytes, source_ns: int = 0) -> None:
-        """Publish a message; may be called from any thread.
+        """Publish a message. Any thread may call this.
 
         The source time is by default the current time.
         """

@@ -165,7 +165,7 @@ def test_camera_has_no_filter_size_and_at_most_ten_images_wait_for_their_frame()
     assert "queue is full" in hints
 
 
-def test_size_missing_in_camera_info_is_that_of_the_whole_image() -> None:
+def test_size_missing_in_camera_info_is_the_size_of_the_whole_image() -> None:
     bench = Bench()
     add(bench)
     described = info(fx=1000.0, fy=1000.0, cx=500.0, cy=3.0)

@@ -1,5 +1,5 @@
 # mypy: disable-error-code="import-not-found"
-"""A handler of Ctrl+C that was installed after `rclpy.init` replaces that of rclpy."""
+"""A handler of Ctrl+C that was installed after `rclpy.init` replaces rclpy's handler."""
 
 import signal
 from types import FrameType

@@ -146,7 +146,7 @@ def test_blocked_call_in_the_main_thread_raises_keyboard_interrupt(
     assert capfd.readouterr().out.split() == expected
 
 
-def test_asyncio_of_a_program_beside_another_is_interrupted(
+def test_asyncio_of_one_of_two_programs_is_interrupted(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     # Alone, the program is in the main thread, where asyncio replaces rclpy's handler of Ctrl+C.

@@ -293,7 +293,7 @@ hint: it only defines Talker. Write at its end: rclpy.init(), then rclpy.spin(Ta
         ("def helper():\n    pass\n", ""),
     ],
 )
-def test_file_that_starts_no_node_is_reported_with_what_is_missing(
+def test_file_that_starts_no_node_is_reported_with_the_missing_call(
     source: str, printed: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "program.py"

@@ -72,7 +72,7 @@ def test_lookup_without_a_timeout_searches_the_frames_once(monkeypatch: pytest.M
     assert searches == [("map", "tool")]
 
 
-def test_methods_of_tf2_py_return_what_lookups_and_questions_return() -> None:
+def test_methods_of_tf2_py_agree_with_the_methods_of_the_buffer() -> None:
     buffer, at, then = filled(), Time(seconds=1), Time(seconds=3)
     full = "base", then, "base", at, "map"
     assert buffer.lookup_transform_core("map", "tool", at) == buffer.lookup_transform("map", "tool", at)

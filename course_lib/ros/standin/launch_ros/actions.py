@@ -307,7 +307,7 @@ class LifecycleNode(Node):
 
 
 class LifecycleEventManager:
-    """Emits the transitions of a lifecycle node, and requests those of ChangeState events.
+    """Emits a lifecycle node's transitions, and requests the transitions of ChangeState events.
 
     Args:
         lifecycle_node: The action or the description of the node, whose `node_name` is its full

@@ -211,7 +211,7 @@ class Clock:
         post_callback: Callable[[TimeJump], object] | None = None,
     ) -> JumpHandle:
         """Register callbacks for jumps beyond a threshold, until the handle is unregistered."""
-        # As in rclpy, an object that cannot be called counts as no `post_callback`.
+        # As in rclpy, an object that cannot be called is ignored as `post_callback`.
         after = post_callback if callable(post_callback) else None
         return JumpHandle(clock=self, threshold=threshold, pre_callback=pre_callback, post_callback=after)
 

@@ -264,7 +264,7 @@ class Executor(AbstractContextManager["Executor"]):
 
     @contextmanager
     def _course_beside_live(self) -> Iterator[None]:
-        """Run the live nodes as well during the block, at the selected pace."""
+        """Also run the live nodes during the block, at the selected pace."""
         running = current_graph().state(RunningNodes).nodes
         with self._course_joined_by(running), pace.keep_pace(self.context.graph):
             yield

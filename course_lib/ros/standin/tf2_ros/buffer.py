@@ -42,7 +42,7 @@ class Buffer(BufferCore, BufferInterface):
             self.srv = node.create_service(FrameGraph, "tf2_frames", self._describe)
         self.clock = Clock() if node is None else node.get_clock()
         self.jump_handle = self.clock.create_jump_callback(_BACK, post_callback=self.time_jump_callback)
-        # Called after each new transform. Those of futures that are done are removed afterwards.
+        # Called after each new transform. Callbacks of completed futures are then removed.
         self._new_data_callbacks: list[Callable[[], None]] = []
         self._callbacks_to_remove: list[Callable[[], None]] = []
 
