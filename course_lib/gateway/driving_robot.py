@@ -54,7 +54,7 @@ def transform(node: Node, parent: str, child: str) -> TransformStamped:
 
 
 class Base(Node):
-    """Drives by /cmd_vel, and publishes /odom and the transform from base_link to odom."""
+    """Follows /cmd_vel, and publishes /odom and the transform from base_link to odom."""
 
     def __init__(self) -> None:
         super().__init__("base")

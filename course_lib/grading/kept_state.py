@@ -190,7 +190,7 @@ def _shortens(scope: ast.ClassDef | Function, items: str, owner: str) -> bool:
         if function.name == "__init__":
             continue
         aliases = _aliases(function)
-        # += stores a list, and makes it longer.
+        # += stores a list, and extends it.
         longer = [node.target for node in ast.walk(function) if isinstance(node, ast.AugAssign)]
         for node in ast.walk(function):
             match node:

@@ -354,8 +354,8 @@ class Arm:
     Args:
         motions: The robot's n joints.
         chain: The indices of the joints between the root and the link, in this order.
-        driving_joints: The indices of joints that determine these: the joints themselves, or those they
-            mimic.
+        driving_joints: The indices of joints that determine the chain's positions: the joints
+            themselves, or the joints that they mimic.
         lower, upper: Limits of all positions, shape (n,), [rad] or [m]. Those of mimic joints are
             not used.
         factors, offsets: The positions of all joints are `factors @ positions + offsets`, where

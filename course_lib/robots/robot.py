@@ -140,7 +140,7 @@ def _package_folders(name: str, near: Path | None) -> Iterator[Path]:
 
 
 def _package_indexes(near: Path | None) -> Iterator[Mapping[str, Path]]:
-    """Yield the folders of packages by name: packages in use, then the workspace of the file `near`."""
+    """Yield the folders of packages by name: packages in use, then the workspace of `near`."""
     # An untrusted address must not reach files in the working folder.
     yield packages(in_working_folder="file" in _schemes)
     if near is not None and (workspace := workspace_of(near)):

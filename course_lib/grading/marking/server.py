@@ -134,7 +134,7 @@ class Follower:
 
 
 def main() -> None:
-    """Update once, as a program with three arguments: the folders of records, exercises and solutions."""
+    """Update once. The program's arguments are the folders of records, exercises and solutions."""
     out, exercises, solutions = map(Path, sys.argv[1:])
     with suppress(OSError):
         os.nice(GENTLE)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 ALL_PASSED = "all public checks passed; hidden checks run at grading"
-# Some spreadsheets take the full-width forms of the first four, too.
+# Some spreadsheets also interpret the full-width forms of the first four.
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n", "\uff1d", "\uff0b", "\uff0d", "\uff20")
 FOR_A_PERSON = "recorded; a person reads and marks it"
 _WILD = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]|[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")

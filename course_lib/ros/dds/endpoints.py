@@ -151,7 +151,7 @@ class OwnEndpoint(Generic[Matched]):
         self._sender.send(submessage, remote.locators, remote.guid[:PREFIX_SIZE])
 
     def _count(self) -> bytes:
-        """Encode the number of the next heartbeat or request, which distinguishes it from a repetition."""
+        """Encode the number of the next heartbeat or request, which identifies repetitions."""
         return struct.pack("<I", next(self._counts))
 
 

@@ -409,7 +409,7 @@ class _MessageMeta(type):
     The metaclass of each class has a property for each constant, which Python does not set.
     """
 
-    # In ROS the functions that serialize messages. A class without it is not one of messages.
+    # In ROS the functions that serialize messages. Message classes need this attribute.
     _TYPE_SUPPORT: ClassVar[object] = True
 
     def __setattr__(cls, name: str, value: object) -> None:

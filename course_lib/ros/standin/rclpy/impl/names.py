@@ -165,8 +165,8 @@ def require_action_name(
     if not name:
         raise ValueError(f"{prefix}invalid empty action name")
     try:
-        # rcl_action validates the name of its first service, so some errors differ from those for a
-        # topic.
+        # rcl_action validates the name of its first service, so some errors differ from a topic's
+        # errors.
         expand_name(f"{name}/_action/send_goal", node_name, namespace)
         _refuse(name, _ACTION_TOKENS, InvalidTopicNameException)
     except (ValueError, NameValidationException) as error:
