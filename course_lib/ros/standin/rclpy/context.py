@@ -82,7 +82,7 @@ class Context(AbstractContextManager["Context"]):
 
     @property
     def is_shut_down(self) -> bool:
-        """True if the program or a signal shut down the context. A run's end interrupts waits directly."""
+        """True if the program or a signal shut down the context. A run's end only ends waits."""
         return self.__shut_down
 
     def ok(self) -> bool:
