@@ -16,11 +16,14 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+import psutil
+
 from course_lib.real.process import free_domain
 
 HERE = Path(__file__).parent
-INTERRUPT_AFTER = 6.0  # [s] by then also a busy machine has started the program
-TIME_LIMIT = 120.0  # [s] of one file
+ASLEEP = 2.0  # [s] a program that sleeps for so long, even on a busy machine, has started and waits
+POLL = 0.1  # [s]
+TIME_LIMIT = 60.0  # [s] of one file
 AT_ONCE = 4
 ENVIRONMENT = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "PYTHONUNBUFFERED": "1"}
 
@@ -32,17 +35,38 @@ def frozen_outcomes(name: str) -> dict[str, Any]:
     return outcomes
 
 
-def run(command: list[str], *, interrupt_after: float | None = None) -> tuple[str, str, int]:
-    """Run a program, with Ctrl+C after so many seconds; return its stdout, its stderr and its exit code."""
+def run(command: list[str], *, interrupt: bool = False) -> tuple[str, str, int]:
+    """Run a program, with Ctrl+C when it waits; return its stdout, its stderr and its exit code.
+
+    A program that does not end within `TIME_LIMIT` is killed.
+    """
     env = os.environ | ENVIRONMENT | {"ROS_DOMAIN_ID": str(free_domain())}
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env, cwd=HERE
     ) as process:
-        if interrupt_after is not None:
-            time.sleep(interrupt_after)
+        if interrupt:
+            _wait_until_asleep(process)
             process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=TIME_LIMIT)
+        try:
+            out, err = process.communicate(timeout=TIME_LIMIT)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            out, err = process.communicate()
     return out, err, process.returncode
+
+
+def _wait_until_asleep(process: subprocess.Popen[str]) -> None:
+    """Wait until a process has slept for `ASLEEP`, or until it has ended.
+
+    One that starts is running, or waits for a processor or the disk, which is no sleep.
+    """
+    program, polls, end = psutil.Process(process.pid), 0, time.monotonic() + TIME_LIMIT
+    while process.poll() is None and polls < ASLEEP / POLL:
+        if time.monotonic() > end:
+            process.kill()
+            sys.exit(f"{process.args!r} did not wait for anything within {TIME_LIMIT:g} s.")
+        polls = polls + 1 if program.status() == psutil.STATUS_SLEEPING else 0
+        time.sleep(POLL)
 
 
 def outcome_of_program(out: str, err: str, code: int) -> dict[str, object]:
@@ -63,7 +87,7 @@ def outcomes_of_probes(python: str, file: Path) -> dict[str, str]:
 
 def outcome_after_interrupt(python: str, file: Path) -> dict[str, object]:
     """Return the outcome of a program under the real rclpy that receives Ctrl+C."""
-    out, err, code = run([python, str(file)], interrupt_after=INTERRUPT_AFTER)
+    out, err, code = run([python, str(file)], interrupt=True)
     # A shell reports a process that SIGINT has killed as 130.
     return outcome_of_program(out, err, 130 if code == -signal.SIGINT else code)
 
