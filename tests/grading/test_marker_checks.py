@@ -300,6 +300,17 @@ def test_reversed_arrow_is_reported(evidence: MakeEvidence, cube: MakeCube) -> N
     assert verdict.message == "the arrow points the other way: from the second point to the first"
 
 
+def test_third_point_of_an_arrow_is_compared_like_a_point_of_a_line(
+    evidence: MakeEvidence, cube: MakeCube
+) -> None:
+    points = [Point(), Point(x=1.0), Point(x=2.0)]
+    recorded = evidence((1, TOPIC, cube(type=Marker.ARROW, points=points)))
+    verdict = expect_marker(TOPIC, points=((0, 0, 0), (1, 0, 0), (1, 1, 0))).judge(recorded)
+    assert verdict.message == (
+        "the arrow has no point at (1.00, 1.00, 0.00) m; the nearest is at (1.00, 0.00, 0.00) m"
+    )
+
+
 def test_end_of_an_arrow_is_reported_and_not_its_nearest_point(
     evidence: MakeEvidence, cube: MakeCube
 ) -> None:

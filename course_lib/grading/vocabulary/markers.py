@@ -763,6 +763,7 @@ def _compare_lifetime(marker: Any, expected: float, _: float) -> Iterator[str]:
 def _compare_points(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
     points = [(p.x, p.y, p.z) for p in marker.points]
     is_arrow = type_of(marker) == "ARROW"
+    has_two_ends = is_arrow and len(points) == 2
     if len(points) != len(expected):
         text = f" has {format_count(len(points), 'point')}, expected {len(expected) or 'none'}"
         if is_arrow and not expected:
@@ -770,9 +771,9 @@ def _compare_points(marker: Any, expected: Points, tolerance: float) -> Iterator
         yield text
     elif _are_points_equal(points, expected, tolerance):
         return
-    elif is_arrow and _are_points_equal(points[::-1], expected, tolerance):
+    elif has_two_ends and _are_points_equal(points[::-1], expected, tolerance):
         yield " points the other way: from the second point to the first"
-    elif is_arrow:
+    elif has_two_ends:
         for verb, point, target in zip(("begins", "ends"), points, expected, strict=True):
             if not is_close(math.dist(point, target), 0.0, tolerance):
                 yield f" {verb} at {format_numbers(point)} m, expected {format_numbers(target)} m"

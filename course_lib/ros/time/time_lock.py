@@ -114,6 +114,8 @@ class ProgramThread:
         self.polls = 0
         # Describes the condition that the last poll waits for, or returns "" once it is met.
         self.describe_unmet: Callable[[], str] | None = None
+        # Whether the thread is in a wait for that condition.
+        self.is_polling = False
         self.at_end = AtEnd.RETURN
         # Signal handlers that the thread's program has set.
         self.handlers: dict[int, Any] = {}
@@ -143,9 +145,19 @@ class ProgramThread:
         """Interrupt as Ctrl+C does: call the program's handler or raise KeyboardInterrupt."""
         handler = self.handlers.get(signal.SIGINT, signal.SIG_DFL)
         if callable(handler):
+            self.report_interrupted_polling()
             handler(signal.SIGINT, sys._getframe(1))
         elif handler is not signal.SIG_IGN:
             raise KeyboardInterrupt
+
+    def report_interrupted_polling(self) -> None:
+        """Print what the thread was polling for, if it was, unless this has been printed."""
+        if self.is_polling and self.describe_unmet is not None:
+            # Imported late, as it is needed only at the end of a run.
+            from course_lib.ros.tracebacks import describe_interruption
+
+            describe_interruption(self.describe_unmet())
+            self.is_polling = False
 
     def _stop(self) -> None:
         """End the thread. A main thread that catches the interrupt is ended by the next one."""
@@ -418,16 +430,18 @@ class TimeLock:
     @contextmanager
     def polling(self) -> Iterator[None]:
         """If the run's end or Ctrl+C interrupts the block, print the polled condition."""
+        me = self._threads.get(_thread.get_ident())
+        if me is None:
+            yield
+            return
+        me.is_polling = True
         try:
             yield
         except KeyboardInterrupt:
-            # Imported late, as it is needed only at the end of a run.
-            from course_lib.ros.tracebacks import describe_interruption
-
-            me = self._threads.get(_thread.get_ident())
-            if me is not None and me.describe_unmet is not None:
-                describe_interruption(me.describe_unmet())
+            me.report_interrupted_polling()
             raise
+        finally:
+            me.is_polling = False
 
     def finish_other_threads(self) -> None:
         """After the end of a run, let the other threads return from their waits and finish."""

@@ -11,7 +11,7 @@ export interface Click {
   direction: [number, number, number];
 }
 
-/** The rules by which a page turns a view by hand. */
+/** The rules by which a page moves a view when the user drags it. */
 export interface DragRules {
   inPlace: boolean;
   aligned: boolean;
