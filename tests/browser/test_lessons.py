@@ -32,11 +32,26 @@ LOOKS = 5
 
 @dataclass(frozen=True)
 class Lesson:
-    """A lesson that was run completely, with the number of coloured pixels in each of its views."""
+    """A lesson that was run completely, and what its views showed."""
 
     notebook: Notebook
     week: str
-    coloured: list[int]
+    views: "list[SeenView]"
+
+
+@dataclass(frozen=True)
+class SeenView:
+    """A view while its nodes ran.
+
+    Args:
+        coloured: The number of its coloured pixels.
+        is_beside: Whether a view was beside the notebook.
+        hidden_code: The IDs of the cells that hid columns of their code.
+    """
+
+    coloured: int
+    is_beside: bool
+    hidden_code: list[str]
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +67,7 @@ def lesson(request: pytest.FixtureRequest, notebook: Notebook) -> Lesson:
     return Lesson(notebook, request.param.stem[:6], list(views(notebook)))
 
 
-def views(notebook: Notebook) -> Iterator[int]:
+def views(notebook: Notebook) -> Iterator[SeenView]:
     """Go through a lesson cell by cell, and look at each view while its nodes still run.
 
     A new kernel resumes it at its last place to stop.
@@ -63,7 +78,9 @@ def views(notebook: Notebook) -> Iterator[int]:
     for number, cell in enumerate(cells):
         view = view_of(cell)
         view.scroll_into_view_if_needed()
-        yield look(view)
+        coloured = look(view)
+        is_beside = notebook.page.locator(".jupyterlab-sidecar canvas:visible").count() > 0
+        yield SeenView(coloured, is_beside, notebook.ask(HIDDEN_CODE))
         if PICTURES:
             notebook.page.screenshot(path=Path(PICTURES) / f"{notebook.name[:6]}_{number:02d}.png")
 
@@ -81,7 +98,8 @@ def look(view: Locator) -> int:
 
 
 def test_views_of_each_lesson_are_drawn(lesson: Lesson) -> None:
-    assert max(lesson.coloured) > DRAWN, lesson.coloured
+    coloured = [view.coloured for view in lesson.views]
+    assert max(coloured) > DRAWN, coloured
 
 
 def test_cells_of_each_lesson_run_without_errors_one_by_one(lesson: Lesson) -> None:
@@ -89,8 +107,9 @@ def test_cells_of_each_lesson_run_without_errors_one_by_one(lesson: Lesson) -> N
 
 
 def test_code_of_each_lesson_is_not_hidden_by_the_view_beside_it(lesson: Lesson) -> None:
-    assert lesson.notebook.page.locator(".jupyterlab-sidecar canvas:visible").count()
-    assert lesson.notebook.ask(HIDDEN_CODE) == []
+    beside = [view for view in lesson.views if view.is_beside]
+    assert beside
+    assert {cell for view in beside for cell in view.hidden_code} == set()
 
 
 def test_each_lesson_resumes_at_its_last_stopping_point_after_a_kernel_restart(lesson: Lesson) -> None:
