@@ -12,6 +12,9 @@ from pathlib import Path
 from types import FrameType
 from typing import NoReturn
 
+# In robot time, `signal` shows a program only its own handlers. These functions were Python's when
+# the kit was imported.
+_set_handler, _get_handler = signal.signal, signal.getsignal
 _DRAFT = re.compile(r"\.(.+)\.\w+\.draft")
 _ERROR_CODE = re.compile(r"\[Errno (\d+)\]")
 # A draft that was unchanged for this long belongs to a program that was killed.
@@ -96,17 +99,17 @@ def _exit_on_signals() -> Iterator[None]:
     """
     # Windows has no SIGHUP.
     numbers = [getattr(signal, name, signal.SIGTERM) for name in ("SIGTERM", "SIGHUP")]
-    replaced = [number for number in {*numbers} if signal.getsignal(number) == signal.SIG_DFL]
+    replaced = [number for number in {*numbers} if _get_handler(number) == signal.SIG_DFL]
     try:
         for number in replaced:
-            signal.signal(number, _exit)
+            _set_handler(number, _exit)
     except ValueError:
         replaced = []
     try:
         yield
     finally:
         for number in replaced:
-            signal.signal(number, signal.SIG_DFL)
+            _set_handler(number, signal.SIG_DFL)
 
 
 def _exit(number: int, frame: FrameType | None) -> NoReturn:

@@ -20,7 +20,7 @@ from typing import Any
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.notices import say
 from course_lib.ros.time import wall
-from course_lib.ros.time.time_lock import time_lock
+from course_lib.ros.time.time_lock import real_getsignal, real_signal, time_lock
 from course_lib.ros.tracebacks import is_own, line_of_thread, line_of_traceback
 
 # Wall time after which the line of a running callback is reported [s].
@@ -164,7 +164,7 @@ class LiveInterrupts:
     @contextmanager
     def handle(self) -> Iterator[None]:
         """During the block, ■ raises KeyboardInterrupt in a running callback and sets `was_pressed`."""
-        previous = signal.signal(signal.SIGINT, self._handle)
+        previous = real_signal(signal.SIGINT, self._handle)
         self._in_step = True
         try:
             yield
@@ -172,13 +172,13 @@ class LiveInterrupts:
             self._in_step = False
             # Otherwise the handler stays installed until `ignore`.
             if previous is not signal.SIG_IGN:
-                signal.signal(signal.SIGINT, previous)
+                real_signal(signal.SIGINT, previous)
 
     def ignore(self) -> None:
         """Ignore ■ between the cells again, as Jupyter does."""
         self.was_pressed = False
-        if signal.getsignal(signal.SIGINT) == self._handle:
-            signal.signal(signal.SIGINT, signal.SIG_IGN)
+        if real_getsignal(signal.SIGINT) == self._handle:
+            real_signal(signal.SIGINT, signal.SIG_IGN)
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
         self.was_pressed = self.was_pressed or not watch.is_stop_pending
@@ -189,17 +189,17 @@ class LiveInterrupts:
 @contextmanager
 def interruptible() -> Iterator[None]:
     """Let ■ interrupt the callbacks that a kernel's cell drives, even if the cell awaits."""
-    previous: Any = signal.getsignal(signal.SIGINT)
+    previous: Any = real_getsignal(signal.SIGINT)
     is_main = threading.current_thread() is threading.main_thread()
     is_of_cell = previous is signal.default_int_handler or getattr(previous, "__module__", "") == KERNELS
     if not (is_main and is_of_cell and current_graph().notebook):
         yield
         return
-    signal.signal(signal.SIGINT, _interrupt)
+    real_signal(signal.SIGINT, _interrupt)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, previous)
+        real_signal(signal.SIGINT, previous)
 
 
 def _interrupt(_number: int, frame: FrameType | None) -> None:
@@ -241,12 +241,12 @@ def keep_signal_handlers() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    previous = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    previous = {number: real_getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield
     finally:
         for number, handler in previous.items():
-            signal.signal(number, signal.SIG_DFL if handler is None else handler)
+            real_signal(number, signal.SIG_DFL if handler is None else handler)
 
 
 def exit_at_signals() -> None:
@@ -259,14 +259,14 @@ def exit_at_signals() -> None:
 
     def on_signal(number: int, frame: FrameType | None) -> None:
         # rclpy's handler, which is installed later and ends the program itself, calls this one.
-        if signal.getsignal(number) is on_signal:
+        if real_getsignal(number) is on_signal:
             sys.exit(SIGNALED + number)
 
     for name in ("SIGTERM", "SIGHUP"):
         number = getattr(signal, name, None)
         # `nohup` lets a program ignore SIGHUP. Windows has no SIGHUP.
-        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
-            signal.signal(number, on_signal)
+        if number is not None and real_getsignal(number) == signal.SIG_DFL:
+            real_signal(number, on_signal)
 
 
 @contextmanager
