@@ -155,6 +155,25 @@ def test_asyncio_of_one_of_two_programs_is_interrupted(
     assert capfd.readouterr().out.split() == ["KeyboardInterrupt", "False", "RCLError", "left"]
 
 
+def test_folder_that_a_program_writes_keeps_rclpys_handler_of_sigterm(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    program = """
+import signal
+from pathlib import Path
+import rclpy
+from course_lib.files import draft_folder
+from course_lib.ros.time.time_lock import real_getsignal
+rclpy.init()
+handler = real_getsignal(signal.SIGTERM)
+with draft_folder(Path(__file__).with_suffix(".bag")):
+    pass
+print(callable(handler), real_getsignal(signal.SIGTERM) is handler)
+"""
+    run(tmp_path, program)
+    assert capfd.readouterr().out == "True True\n"
+
+
 @pytest.mark.parametrize(
     ("lines", "shown"),
     [
