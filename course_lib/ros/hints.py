@@ -188,9 +188,10 @@ def _field_hint(types: Sequence[str], attribute: str, line: str) -> str:
     exact = [path for path in inner if path.endswith(f".{attribute}")]
     similar = next(iter([*exact, *direct, *inner]), "") or near_names.near_field(attribute, names)
     # In `pose.position`, where pose is a PoseStamped, the path `pose.position` does not help.
-    student = re.search(rf"\b([\w.]*\b{similar.partition('.')[0]})\.{attribute}\b", line) if similar else None
-    if student and "." in similar:
-        similar = f"{student[1]}.{similar}"
+    owners = re.findall(rf"([\w.\[\]]+)\.{attribute}\b", line)
+    # With several owners in a line, as in `a.header.stamp = b.stamp`, it may be any of them.
+    if "." in similar and len(owners) == 1 and owners[0].split(".")[-1] == similar.split(".")[0]:
+        similar = f"{owners[0]}.{similar}"
     return f"did you mean `{similar}`? {show}" if similar else show
 
 

@@ -70,6 +70,7 @@ pose = PoseStamped()
 # Names that a hint suggests: an attribute or a field of an object that the hint does not repeat.
 FIELDS = {
     "results[0].hypothesis.score",
+    "header.frame_id",
     "data",
     "self.last.data",
     "size",

@@ -34,6 +34,12 @@ MESSAGES = [
         "lists its fields.",
     ),
     (
+        "marker, pose = Marker(), PoseStamped()\nmarker.header.frame_id = pose.frame_id",
+        "AttributeError: 'PoseStamped' object has no attribute 'frame_id'",
+        "did you mean `header.frame_id`? `%ros2 interface show geometry_msgs/msg/PoseStamped` "
+        "lists its fields.",
+    ),
+    (
         "Marker().id = (1.0, 0.0, 0.0)",
         "AssertionError: The 'id' field must be of type 'int'",
         "this is 3 numbers, (1.0, 0.0, 0.0), but the field takes one: select it, like [0].",
