@@ -351,7 +351,8 @@ class CloudDisplay(TopicDisplay):
         in_pixels = style == "Points"
         size = (self["Size (Pixels)" if in_pixels else "Size (m)"],) * 3
         name = best_transformer(displayed.cloud, self["Color Transformer"])
-        own_colors, bounds = TRANSFORMERS[name].colors(displayed.cloud, self)
+        with np.errstate(invalid="ignore"):
+            own_colors, bounds = TRANSFORMERS[name].colors(displayed.cloud, self)
         self._values |= bounds
         # Only the channel rgba provides alpha.
         colors = np.empty((len(own_colors), 4), np.float32)
@@ -360,7 +361,13 @@ class CloudDisplay(TopicDisplay):
         if not (colors[:, 3] == 1).all():
             colors[:, 3] = alpha_drawn_twice(colors[:, 3])
         grow = not in_pixels and bool(self._values.get("Auto Size"))
-        drawable = Points(displayed.cloud.positions, colors, size, in_pixels, STYLES[style], grow)
+        points = displayed.cloud.positions
+        is_finite = np.isfinite(points)
+        # RViz counts the invalid points of a PointCloud, but moves them out of sight.
+        if not is_finite.all():
+            is_valid = is_finite.all(axis=1)
+            points, colors = points[is_valid], colors[is_valid]
+        drawable = Points(points, colors, size, in_pixels, STYLES[style], grow)
         self.context.scene.set_object(displayed.path, drawable)
 
 
@@ -401,7 +408,7 @@ class PointCloudDisplay(CloudDisplay):
     properties = (*FILTER_PROPERTIES, *CLOUD_PROPERTIES)
 
     def process(self, message: Any) -> None:
-        """Show a cloud. Channels without a number for each point are ignored."""
+        """Show a cloud. As in RViz, a channel without a number for each point is 0 everywhere."""
         transform = self.transform_at(message.header)
         if transform is None:
             return
@@ -412,13 +419,13 @@ class PointCloudDisplay(CloudDisplay):
             if len(channel.values) == len(points):
                 channels[channel.name] = np.array(channel.values, np.float32)
             else:
+                channels[channel.name] = np.zeros(len(points), np.float32)
                 values = format_count(len(channel.values), "value")
-                wrong.append(
-                    f"channel {channel.name!r} has {values} for {format_count(len(points), 'point')}."
-                )
+                count = format_count(len(points), "point")
+                wrong.append(f"channel {channel.name!r} has {values} for {count}; RViz draws 0 for each.")
         self.statuses.hint("Channels", *wrong)
         channels |= dict(zip("xyz", points.T, strict=True))
-        self.keep(Cloud(finite(channels), transform, self.context.now_ns))
+        self.keep(Cloud(channels, transform, self.context.now_ns))
 
 
 class LaserScanDisplay(CloudDisplay):

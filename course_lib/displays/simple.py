@@ -395,7 +395,9 @@ class ScrewDisplay(DrawnDisplay):
                 return
             self.statuses.set("ok", "Topic", _NAN_STATUS)
             vectors = np.nan_to_num(vectors, posinf=0.0, neginf=0.0)
-        transform = self.transform_at(message.header)
+        # RViz gives these displays no status of a known transform.
+        stamp_ns = nanoseconds(message.header.stamp)
+        transform = self.context.frames.transform(message.header.frame_id, stamp_ns)
         if transform is not None:
             self.keep((transform, vectors))
 

@@ -139,3 +139,13 @@ def test_nan_values_are_an_error_or_zero_if_a_wrench_accepts_them() -> None:
     message = "Message might contain floating point values (nans or infs)"
     assert bench.status(display, "Topic") == ("ok", message)
     np.testing.assert_allclose(ends(drawables_of(bench)["Force shaft"])[1], [0, 0, 4], atol=1e-6)
+
+
+@each_kind
+def test_known_transform_is_not_a_status_of_screws(
+    name: str, make: Make, straight: str, turning: str
+) -> None:
+    bench = Bench()
+    display = add(bench, name)
+    bench.publish("/screw", make((0.0, 3.0, 0.0), NONE))
+    assert [row.name for row in display.rows()] == ["Topic"]

@@ -1,6 +1,7 @@
 from typing import Any
 
 import numpy as np
+import pytest
 from geometry_msgs.msg import Point32
 from sensor_msgs.msg import ChannelFloat32, PointCloud
 
@@ -33,15 +34,23 @@ def test_point_cloud_with_lists_is_drawn_like_the_same_cloud_with_fields() -> No
     assert (old.size, old.spot) == (new.size, new.spot)
 
 
-def test_invalid_points_are_omitted_along_with_their_channel_values() -> None:
-    places = [*PLACES[:2], (float("nan"), 0.0, 0.0)]
+@pytest.mark.parametrize("wrong", [float("nan"), float("inf")])
+def test_invalid_points_are_counted_and_colored_but_not_drawn(wrong: float) -> None:
+    places = [*PLACES[:2], (wrong, 0.0, 0.0)]
     bench, display = show_cloud(ChannelFloat32(name="intensity", values=[1.0, 5.0, 9.0]), places=places)
     (drawn,) = points_of(bench, display)
     assert drawn.points.tolist() == [list(place) for place in PLACES[:2]]
-    assert display["Max Intensity"] == 5.0
+    assert len(drawn.colors) == 2
+    assert display["Max Intensity"] == 9.0
+    assert bench.status(display, "Points") == ("ok", "Showing [3] points from [1] messages")
+    display["Color Transformer"] = "AxisColor"
+    bench.update()
+    assert len(points_of(bench, display)[0].points) == 2
 
 
-def test_channel_with_a_different_length_is_reported_and_not_used() -> None:
+def test_channel_with_a_different_length_is_reported_and_zero_as_in_rviz() -> None:
     bench, display = show_cloud(ChannelFloat32(name="intensity", values=[1.0]))
     assert len(points_of(bench, display)[0].points) == 3
-    assert bench.hints(display) == ["channel 'intensity' has 1 value for 3 points."]
+    assert (display["Color Transformer"], display["Max Intensity"]) == ("Intensity", 0.0)
+    text = "channel 'intensity' has 1 value for 3 points; RViz draws 0 for each."
+    assert bench.hints(display) == [text]
