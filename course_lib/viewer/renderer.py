@@ -647,7 +647,7 @@ _PLACES = (
     r"C:\Program Files (x86)\Microsoft\Edge\Application\msedge.exe",
 )
 
-# Machines without a screen have only software GL. All network requests and reports are disabled.
+# Machines without a screen have only software GL. Updates and reports are disabled.
 FLAGS = [
     "--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader", "--disable-background-networking", "--disable-component-update",
@@ -677,7 +677,12 @@ def dump_dom(program: str, page: str, timeout: float) -> str:
     with tempfile.TemporaryDirectory(prefix="course-", ignore_cleanup_errors=True) as folder:
         path = Path(folder, "scene.html")
         path.write_text(page, encoding="utf-8")
-        command = [program, *FLAGS, f"--user-data-dir={folder}/profile", "--dump-dom", path.as_uri()]
+        command = [
+            *(program, *FLAGS, f"--user-data-dir={folder}/profile"),
+            # Chromium asks Google for updates and for its time, although these are disabled.
+            "--host-resolver-rules=MAP * ~NOTFOUND",
+            *("--dump-dom", path.as_uri()),
+        ]
         process = subprocess.Popen(
             command,
             stdin=subprocess.DEVNULL,

@@ -1,3 +1,4 @@
+import json
 import stat
 import sys
 from collections.abc import Callable
@@ -13,6 +14,7 @@ from course_lib.viewer import renderer
 from course_lib.viewer.drawables import Solids
 from course_lib.viewer.renderer import dump_dom, screenshot
 from course_lib.viewer.scene import Scene
+from tests.patience import PATIENCE
 
 PNG = b"\x89PNG"
 
@@ -70,6 +72,21 @@ def test_browser_without_webgl_is_detected_by_its_empty_page(
 def test_browser_that_cannot_be_started_is_an_os_error(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="nothing"):
         dump_dom(str(tmp_path / "nothing"), "", 1.0)
+
+
+def test_browser_that_draws_looks_up_no_host_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    program = renderer.find_browser()
+    if program is None:
+        pytest.skip("no Chromium or Chrome on this machine")
+    log = tmp_path / "net.json"
+    monkeypatch.setattr(renderer, "FLAGS", [*renderer.FLAGS, f"--log-net-log={log}"])
+    assert "drawn" in dump_dom(program, "<p>drawn</p>", PATIENCE)
+    # A job is a query to the computer's resolver. Chromium's requests remain, but are rejected.
+    records = json.loads(log.read_text())
+    kinds = {number: name for name, number in records["constants"]["logEventTypes"].items()}
+    seen = {kinds[event["type"]] for event in records["events"]}
+    assert "HOST_RESOLVER_MANAGER_REQUEST" in seen
+    assert "HOST_RESOLVER_MANAGER_JOB" not in seen
 
 
 def test_image_is_written_to_the_requested_path(scene: Scene, tmp_path: Path) -> None:
