@@ -46,6 +46,12 @@ def test_file_numbering_of_the_platform_determines_the_newest_attempt(
     assert f"ada7/{newer} counts, not ada7/{older}" in submission.notes
 
 
+def test_id_that_equals_the_number_of_an_attempt_stays_in_the_name(tmp_path: Path) -> None:
+    names = [f"week01_exercise{end}.ipynb" for end in ("_11", "-2", "-10", "-11")]
+    put(tmp_path, {f"11/{name}": notebook(f"x = {n}") for n, name in enumerate(names)})
+    assert find_submissions(tmp_path)[0].path.name == names[-1]
+
+
 def test_trusted_submission_times_take_precedence_over_file_numbering(tmp_path: Path) -> None:
     put(tmp_path, {f"ada/{NAME}": notebook("x = 1"), "ada/week01_exercise (1).ipynb": notebook("x = 2")})
     (tmp_path / "received.csv").write_text(

@@ -1,4 +1,5 @@
 import errno
+import io
 import os
 import stat
 import struct
@@ -78,6 +79,25 @@ def test_canvas_names_with_late_marker_and_second_attempt_are_collected(sort: So
     assert (first.time, first.late, second.late) == (None, False, False)  # of the second try
     assert len(collection.notes) == 1
     assert "Canvas's zip has no times" in min(collection.notes)
+
+
+def test_student_with_hidden_files_only_is_rejected_with_the_reason(sort: Sort, tmp_path: Path) -> None:
+    files = {
+        f"Ada_1_assignsubmission_file_/.{NAME}": notebook("a = 1"),
+        f"Bob_2_assignsubmission_file_/.ipynb_checkpoints/{NAME}": notebook("b = 1"),
+        f"Eve_3_assignsubmission_file_/{NAME}": notebook("c = 1"),
+        f"Eve_3_assignsubmission_file_/.git/{NAME}": notebook("c = 2"),
+        "Eve_3_assignsubmission_file_/a.zip": zipped({"b.py": b"", ".c.py": b"", "._b.py": b""}),
+        f"__MACOSX/Joe_4_assignsubmission_file_/._{NAME}": b"",
+        ".DS_Store": b"",
+    }
+    (tmp_path / "folder").mkdir()
+    with zipfile.ZipFile(io.BytesIO(zipped(files))) as archive:
+        archive.extractall(tmp_path / "folder")
+    for collection in (sort(files), collect(tmp_path / "folder", tmp_path / "out2", AMMAN)):
+        assert [owner for owner, _ in collection.skipped] == ["Ada (1)", "Bob (2)"]
+        assert "begins with a dot" in collection.refused[0]
+        assert collection.rejected == {"participant1", "participant2"}
 
 
 def test_attempt_with_the_higher_number_counts_at_equal_times(sort: Sort, tmp_path: Path) -> None:

@@ -35,6 +35,8 @@ MAX_UNPACKED_FILES = 1000  # files per student, in all archives that the student
 MAX_UNPACKED_BYTES = 50_000_000  # [B] likewise, including nested archives
 RECEIPT = "receipt.json"  # in a file written by `course submit`
 JUNK = ("__MACOSX", "Thumbs.db")
+MAC_NAMES = (".DS_Store", ".localized")  # files that macOS adds to every folder
+HIDDEN = "a name in its path begins with a dot, and the student submitted no visible file. Rename it"
 
 Refuse = Callable[[str, str], None]  # called with a file's name and the reason
 Owner = Callable[[tuple[str, ...]], str]  # maps a path to the owner, whose archives share a limit
@@ -132,9 +134,14 @@ class ReceivedFileReader:
     _files: Counter[str] = field(default_factory=Counter)
     _bytes: Counter[str] = field(default_factory=Counter)
     _exhausted_owners: set[str] = field(default_factory=set)
+    _visible_owners: set[str] = field(default_factory=set)
+    _hidden: dict[str, str] = field(default_factory=dict)  # the first hidden file by owner
 
     def read(self, top: Path) -> Iterator[ReceivedFile]:
         """Yield all files of a folder or zip file, including files in nested zip files.
+
+        Hidden files are skipped. Those of an owner without any visible file are refused, so that
+        nobody is missing silently.
 
         Raises:
             CourseError: `top` is not a folder or a zip file.
@@ -142,20 +149,32 @@ class ReceivedFileReader:
         if top.is_dir():
             for arrival in self._walk(top):
                 yield from self._open(arrival, 0)
-            return
-        archive = _platform_zip(top)
-        with archive:
-            for arrival in self._members(archive, ()):
-                yield from self._open(arrival, 1)
+        else:
+            with _platform_zip(top) as archive:
+                for arrival in self._members(archive, ()):
+                    yield from self._open(arrival, 1)
+        for owner, name in self._hidden.items():
+            if owner not in self._visible_owners:
+                self.refuse(name, HIDDEN)
+
+    def _is_skipped(self, parts: tuple[str, ...], start: int = 0) -> bool:
+        """Return whether a component from `start` on is junk; record the owner of the file."""
+        junk = [name for name in parts[start:] if _is_junk(name)]
+        if not junk:
+            self._visible_owners.add(self.owner(parts))
+        elif junk[0] not in (parts[0], *JUNK, *MAC_NAMES) and not junk[-1].startswith("._"):
+            self._hidden.setdefault(self.owner(parts), "/".join(parts))
+        return bool(junk)
 
     def _walk(self, top: Path) -> Iterator[ReceivedFile]:
         for folder, folders, names in os.walk(top):
             folder_path = Path(folder)
             links = [name for name in folders if (folder_path / name).is_symlink()]
+            hidden = [name for name in folders if _is_junk(name)]
             folders[:] = sorted(name for name in folders if not _is_junk(name))
-            for path in (folder_path / name for name in sorted([*names, *links]) if not _is_junk(name)):
+            for path in (folder_path / name for name in sorted([*names, *links, *hidden])):
                 parts = path.relative_to(top).parts
-                if not self.is_wanted(parts):
+                if not self.is_wanted(parts) or self._is_skipped(parts):
                     continue
                 try:
                     if problem := path_problem(parts) or _type_problem(path.lstat().st_mode):
@@ -196,10 +215,10 @@ class ReceivedFileReader:
                 # Written by old Windows programs.
                 name = name.replace("\\", "/")
             inner = tuple(name.split("/"))
-            if name.endswith("/") or any(map(_is_junk, inner)):
-                continue
             parts = (*above, *inner)
-            if not above and not self.is_wanted(parts):
+            if name.endswith("/") or (not above and not self.is_wanted(parts)):
+                continue
+            if self._is_skipped(parts, len(above)):
                 continue
             names[name] += 1
             if names[name] > 2:

@@ -366,7 +366,10 @@ def _base_name(file: Submission, *, whole: bool = False) -> str:
     """Return a file's name without exercise and ID, and without the number of the attempt unless `whole`."""
     name = re.sub(r"^week\d\d(_exercise)?|\.ipynb$", "", file.path.stem, flags=re.IGNORECASE)
     for student_id in filter(None, (file.claimed, file.student)):
-        name = name.casefold().replace(student_id, "")
+        # Canvas's "-11" is an attempt, even of the student 11; `course submit` writes "_11".
+        is_short = re.fullmatch(r"\d{1,3}", student_id)
+        pattern = rf"(^|_){student_id}(?!\d)" if is_short else re.escape(student_id)
+        name = re.sub(pattern, "", name.casefold())
     return (name if whole else _split_attempt(name)[0]).strip(" _-")
 
 
