@@ -82,7 +82,7 @@ def test_canvas_names_with_late_marker_and_second_attempt_are_collected(sort: So
 
 
 def test_student_with_hidden_files_only_is_rejected_with_the_reason(sort: Sort, tmp_path: Path) -> None:
-    files = {
+    files: dict[str | zipfile.ZipInfo, bytes] = {
         f"Ada_1_assignsubmission_file_/.{NAME}": notebook("a = 1"),
         f"Bob_2_assignsubmission_file_/.ipynb_checkpoints/{NAME}": notebook("b = 1"),
         f"Eve_3_assignsubmission_file_/{NAME}": notebook("c = 1"),
