@@ -18,7 +18,7 @@ LIMIT = 60.0  # [s] of the wall clock for one file
 SUFFIXES = {"launch": (".py", ".xml", ".yaml", ".yml", ".launch"), "layout": (".rviz",)}
 NO_FILES = {"build", "install", "log", "test", "tests"}
 _PRELOADED = (
-    *("course_lib.ros.programs.launch_program", "launch_ros.frontend", "nav2_common.launch", "xacro"),
+    *("course_lib.ros.programs.launch_program", "launch.frontend.elements", "nav2_common.launch", "xacro"),
     *("course_lib.displays.session", "course_lib.displays.writer"),
 )
 COMMON = {"TURTLEBOT3_MODEL": "burger", "USER": "student"}  # of the environment, in courses

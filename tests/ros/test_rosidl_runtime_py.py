@@ -4,7 +4,6 @@ from pathlib import Path
 import pytest
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PointStamped, Polygon, Twist
-from rosidl_parser.definition import NamespacedType
 from rosidl_runtime_py import (
     get_action_interfaces,
     get_interface_packages,
@@ -21,6 +20,8 @@ from rosidl_runtime_py import (
 )
 from rosidl_runtime_py.utilities import get_action, get_interface, get_message, get_service, is_message
 from std_srvs.srv import Trigger
+
+from course_lib.ros.messages.idl import NamespacedType
 
 
 def test_types_are_found_by_name_with_and_without_their_subfolder() -> None:

@@ -2,7 +2,8 @@
 
 A package of ROS often has a module for each class, like `launch_ros.actions.node`, where the
 stand-in has one module for the subject. Programs import both forms. Modules that hardly any program
-imports by their own names, like `rclpy.type_hash`, are in `HOME_MODULES` only.
+imports by their own names, like `rclpy.type_hash`, are in `HOME_MODULES` only. Importing such a
+package also imports its submodules in ROS, and on access here: `SUBMODULES`.
 """
 
 import os
@@ -30,9 +31,25 @@ FOLDERS = (
     "launch_yaml.launch_description_sources",
     "launch_ros.substitutions",
 )
+# Attributes of a module once it is imported. Here, each is imported on first access.
+SUBMODULES = {
+    "launch": (
+        *("actions", "conditions", "descriptions", "event_handlers", "events", "frontend", "logging"),
+        *("launch_description_sources", "substitutions", "utilities"),
+    ),
+    "launch.events": ("matchers", "process"),
+    "launch_ros": (
+        *("actions", "descriptions", "event_handlers", "events", "parameter_descriptions"),
+        *("substitutions", "utilities"),
+    ),
+    "launch_ros.events": ("lifecycle", "matchers"),
+    "launch_xml": ("launch_description_sources",),
+    "launch_yaml": ("launch_description_sources",),
+}
 HOME_MODULES = {
     "ament_index_python.resources": "ament_index_python.packages",
-    "diagnostic_updater._update_functions": "diagnostic_updater._diagnostic_updater",
+    "diagnostic_updater._diagnostic_updater": "diagnostic_updater",
+    "diagnostic_updater._update_functions": "diagnostic_updater",
     "launch.actions.shutdown_action": "launch.actions",
     "launch.descriptions": "launch.actions",
     "launch.events.matchers": "launch.events",
@@ -40,6 +57,7 @@ HOME_MODULES = {
     "launch.launch_description": "launch.actions",
     "launch.launch_description_entity": "launch.entities",
     "launch.substitutions.boolean_substitution": "launch.substitutions",
+    "launch_ros.events.matchers": "launch_ros.events.lifecycle",
     "launch_ros.parameters_type": "launch_ros.utilities",
     "launch_ros.remap_rule_type": "launch_ros.utilities",
     "launch_ros.substitutions.find_package": "launch_ros.substitutions",
@@ -69,8 +87,11 @@ HOME_MODULES = {
     "rosbag2_py._info": "rosbag2_py._storage",
     "rosbag2_py._reader": "rosbag2_py._storage",
     "rosbag2_py._writer": "rosbag2_py._storage",
+    "rosidl_parser.definition": "course_lib.ros.messages.idl",
+    "rosidl_runtime_py.convert": "rosidl_runtime_py",
+    "rosidl_runtime_py.get_interfaces": "rosidl_runtime_py",
     "rosidl_runtime_py.import_message": "rosidl_runtime_py.utilities",
-    "rosidl_runtime_py.set_message": "rosidl_runtime_py.convert",
+    "rosidl_runtime_py.set_message": "rosidl_runtime_py",
 }
 
 
@@ -80,7 +101,7 @@ for _line in Path(__file__).with_name("third_party_imports.txt").read_text("utf-
     if _line and not _line.startswith("#"):
         _host, _home, *_names = _line.split()
         THIRD_PARTY_IMPORTS.setdefault(_host, {})[_home] = _names
-_PACKAGES = {name.partition(".")[0] for name in (*FOLDERS, *HOME_MODULES, *THIRD_PARTY_IMPORTS)}
+_PACKAGES = {name.partition(".")[0] for name in (*FOLDERS, *SUBMODULES, *HOME_MODULES, *THIRD_PARTY_IMPORTS)}
 _PYTHON = os.path.dirname(os.__file__) + os.sep
 _WORD = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 
@@ -96,17 +117,17 @@ class HomeModuleFinder(Loader):
         folder, _, last_name = name.rpartition(".")
         if name.partition(".")[0] not in _PACKAGES:
             return None
-        if folder and name in FOLDERS:
-            spec = PathFinder.find_spec(name, path)
-            # Python searches for submodules in packages only, so the module becomes one.
-            if spec is not None and spec.submodule_search_locations is None:
-                spec.submodule_search_locations = []
-            return spec
-        if name in THIRD_PARTY_IMPORTS:
+        is_host = name in THIRD_PARTY_IMPORTS or name in SUBMODULES
+        if is_host or name in FOLDERS:
             spec = PathFinder.find_spec(name, path)
             if spec is None or spec.origin is None:
                 return spec
-            return spec_from_file_location(name, spec.origin, loader=_HostLoader(name, spec.origin))
+            if is_host:
+                spec.loader = _HostLoader(name, spec.origin)
+            # Python searches for submodules in packages only, so the module becomes one.
+            if name in FOLDERS and spec.submodule_search_locations is None:
+                spec.submodule_search_locations = []
+            return spec
         home = HOME_MODULES.get(name)
         # For a module per class, like launch.actions.execute_process, the home is its folder.
         if home is None and folder in FOLDERS:
@@ -121,24 +142,23 @@ class HomeModuleFinder(Loader):
 
 
 class _HostLoader(SourceFileLoader):
-    """Imports a module of the stand-in, with the names that ROS's module imports from others."""
+    """Imports a module of the stand-in, with submodules and names that ROS's module imports."""
 
     def exec_module(self, module: ModuleType) -> None:
         """Execute the module's code."""
-        vars(module)["__getattr__"] = partial(_third_party_name, module.__name__)
+        vars(module)["__getattr__"] = partial(_imported_name, module.__name__)
         super().exec_module(module)
 
 
-def _third_party_name(host: str, name: str) -> Any:
-    """Return a name that programs import from a module because ROS's module imports it."""
+def _imported_name(host: str, name: str) -> Any:
+    """Return what programs import from a module because ROS's module imports it."""
     # Every `from … import` also requests __path__.
-    if name.startswith("__"):
-        raise AttributeError(f"module '{host}' has no attribute '{name}'")
-    if f"{host}.{name}" in HOME_MODULES:
-        return import_module(f"{host}.{name}")
-    for home, names in THIRD_PARTY_IMPORTS[host].items():
-        if name in names:
-            return getattr(import_module(home), name)
+    if not name.startswith("__"):
+        if name in SUBMODULES.get(host, ()) or f"{host}.{name}" in HOME_MODULES:
+            return import_module(f"{host}.{name}")
+        for home, names in THIRD_PARTY_IMPORTS.get(host, {}).items():
+            if name in names:
+                return getattr(import_module(home), name)
     raise AttributeError(f"module '{host}' has no attribute '{name}'")
 
 

@@ -9,8 +9,7 @@ from launch_ros.actions import LifecycleNode
 from launch_ros.actions import Node as NodeAction
 from launch_ros.descriptions import ComposableLifecycleNode
 from launch_ros.event_handlers import OnStateTransition
-from launch_ros.events.lifecycle import ChangeState, StateTransition
-from launch_ros.events.matchers import matches_node_name
+from launch_ros.events.lifecycle import ChangeState, StateTransition, matches_node_name
 from lifecycle_msgs.msg import State, TransitionEvent
 
 from course_lib.ros.messages import deserialize

@@ -1,8 +1,5 @@
 """Stand-in for ROS's launch, with launch descriptions in Python, XML and YAML files."""
 
-from importlib import import_module
-from types import ModuleType
-
 from launch.entities import Action as Action
 from launch.entities import Condition as Condition
 from launch.entities import Event as Event
@@ -17,15 +14,3 @@ from launch.entities import SomeSubstitutionsType as SomeSubstitutionsType
 from launch.entities import Substitution as Substitution
 from launch.event_handlers import EventHandler as EventHandler
 from launch.launch_description_sources import LaunchDescriptionSource as LaunchDescriptionSource
-
-_MODULES = (
-    *("actions", "conditions", "descriptions", "event_handlers", "events", "frontend", "logging"),
-    *("launch_description_sources", "substitutions", "utilities"),
-)
-
-
-def __getattr__(name: str) -> ModuleType:
-    """Import a submodule on first access, as it is imported together with ROS's package."""
-    if name in _MODULES:
-        return import_module(f"launch.{name}")
-    raise AttributeError(f"module 'launch' has no attribute '{name}'")

@@ -3,8 +3,6 @@
 import signal
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from importlib import import_module
-from types import ModuleType
 
 from launch.entities import Action, Event, LaunchDescription
 from launch.entities import ExecutionComplete as ExecutionComplete
@@ -116,10 +114,3 @@ def matches_executable(executable: str) -> Callable[[Action], bool]:
         return action.process_details is not None and action.process_details["cmd"][0].endswith(executable)
 
     return matches
-
-
-def __getattr__(name: str) -> ModuleType:
-    """Import a submodule on first access, as it is imported together with ROS's package."""
-    if name in ("matchers", "process"):
-        return import_module(f"launch.events.{name}")
-    raise AttributeError(f"module 'launch.events' has no attribute '{name}'")

@@ -30,8 +30,7 @@ from course_lib.ros.graph.graph import ProgramNodes, current_graph
 from course_lib.ros.graph.topics import SERVICE_HEADER, Qos, service_topics
 from course_lib.ros.messages import deserialize, serialize
 from course_lib.ros.programs.packages import NotHereError
-from launch_ros.events.lifecycle import ChangeState, StateTransition
-from launch_ros.events.matchers import matches_node_name
+from launch_ros.events.lifecycle import ChangeState, StateTransition, matches_node_name
 from launch_ros.parameter_descriptions import ParameterFile, check_values, evaluate_value, words_for
 
 # Names of the launch configurations that hold the settings.

@@ -3,7 +3,7 @@
 from importlib import import_module
 from typing import Any
 
-from rosidl_parser.definition import NamespacedType
+from course_lib.ros.messages.idl import NamespacedType
 
 
 def get_interface(identifier: str) -> Any:

@@ -51,21 +51,18 @@ class Form:
 
 
 SUBSTITUTIONS: dict[str, Form] = {}
-# Modules that register elements and substitutions. ROS finds such extensions by their entry points.
-_EXTENSIONS = ("launch.frontend.elements", "launch_ros.frontend")
 
 
-def load_extensions() -> None:
-    """Register all elements and substitutions."""
-    for extension in _EXTENSIONS:
-        import_module(extension)
+def register_elements() -> None:
+    """Register all elements and substitutions. Their module imports this one."""
+    import_module("launch.frontend.elements")
 
 
 def parse_substitution(text: str) -> Parts:
     """Parse a string with `$(…)`. Raise a ValueError that shows the position of an error."""
     if "$(" in text:
-        # A Python launch file does not load the extensions, but its parameter files may need them.
-        load_extensions()
+        # A Python launch file does not register them, but its parameter files may need them.
+        register_elements()
     if not text:
         return [TextSubstitution(text="")]
     reader = _Reader(text)
@@ -207,7 +204,7 @@ _file: ContextVar[Path] = ContextVar("file", default=Path())
 
 def description_of(file: Path) -> LaunchDescription:
     """Parse an XML or YAML launch file. Raise a CourseError with the line of an error."""
-    load_extensions()
+    register_elements()
     try:
         root = read_entity(file)
         if root.type_name != "launch":

@@ -1,12 +1,10 @@
-"""Events of lifecycle nodes: a requested transition, and a completed one."""
+"""Events of lifecycle nodes: a requested transition, and a completed one; the matcher of nodes."""
 
 from collections.abc import Callable
 from typing import Any, ClassVar
 
 from launch.entities import Event
 from lifecycle_msgs.msg import Transition, TransitionEvent
-
-from launch_ros.events.matchers import matches_node_name as matches_node_name
 
 _NAMES = ("CREATE", "CONFIGURE", "CLEANUP", "ACTIVATE", "DEACTIVATE", "UNCONFIGURED_SHUTDOWN")
 _TRANSITIONS = [f"TRANSITION_{name}" for name in (*_NAMES, "INACTIVE_SHUTDOWN", "ACTIVE_SHUTDOWN", "DESTROY")]
@@ -36,3 +34,13 @@ class StateTransition(Event):
         self.action, self.msg, self.timestamp = action, msg, msg.timestamp
         self.transition = msg.transition.label
         self.start_state, self.goal_state = msg.start_state.label, msg.goal_state.label
+
+
+def matches_node_name(node_name: str) -> Callable[[Any], bool]:
+    """Return a matcher for the LifecycleNode with this name, including its namespace."""
+    full = node_name if node_name.startswith("/") else f"/{node_name}"
+
+    def matches(action: Any) -> bool:
+        return bool(action.node_name == full)
+
+    return matches

@@ -1,3 +1,0 @@
-"""The types of message fields."""
-
-from course_lib.ros.messages.idl import *  # noqa: F403
