@@ -18,12 +18,11 @@ from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING
 
+from course_lib.authoring.deletions import Code, find_false_passes
 from course_lib.authoring.edits import (
     RIGHT,
-    Code,
     Edit,
     failure_text,
-    find_false_passes,
     group_edits,
     idle_operators,
     make_edits,
@@ -116,7 +115,7 @@ class WeekRehearsals:
         edits = list(make_edits(self._tasks, self._answers, self._cells, operators(self._course.solutions)))
         yield from (edit for edit in edits if isinstance(edit, Flaw))
         groups = group_edits([edit for edit in edits if isinstance(edit, Edit)], self._cells, self._week)
-        rehearsals = [*self._option_rehearsals(), *self._file_rehearsals()]
+        rehearsals = list(self._whole_rehearsals())
         rehearsals += [(rehearsal, partial(self._check_edits, group)) for group, rehearsal in groups]
         results = self._run_rehearsals([rehearsal for rehearsal, _ in rehearsals])
         for (_, look), rehearsal_result in zip(rehearsals, results, strict=True):
@@ -132,8 +131,8 @@ class WeekRehearsals:
     def _run_rehearsals(self, rehearsals: Sequence[Rehearsal]) -> Iterator[RehearsalResult]:
         return self._pool.map(rehearse, rehearsals, [self._course] * len(rehearsals))
 
-    def _option_rehearsals(self) -> Iterator[tuple[Rehearsal, Look]]:
-        """Yield the rehearsals of the solution with all other personal options, and of the stub."""
+    def _whole_rehearsals(self) -> Iterator[tuple[Rehearsal, Look]]:
+        """Yield the rehearsals of the solution with other options, the stub, and files of answers."""
         ids = tuple(task.id for task in self._tasks)
         plain = Rehearsal(self._week, "the solution", self._cells, ids, hollow=True)
         for row in range(1, count_options(self._tasks)):
@@ -141,9 +140,6 @@ class WeekRehearsals:
             rehearsal = replace(plain, tasks=tuple(task.id for task in tasks), option=row, hollow=False)
             yield rehearsal, partial(self._check_option, tasks, row)
         yield Rehearsal(self._week, "the stub", cells_of(self._exercise), ids), self._check_stub
-
-    def _file_rehearsals(self) -> Iterator[tuple[Rehearsal, Look]]:
-        ids = tuple(task.id for task in self._tasks)
         for name in [*[RIGHT] * bool(self._answers.other_right), *self._answers.files]:
             path = self._answers.file(name)
             look = self._check_right_answer if name == RIGHT else partial(self._check_wrong_answer, name)

@@ -14,8 +14,11 @@ from course_lib.errors import CourseError
 from course_lib.ros.robot.addresses import DDS
 from course_lib.ros.robot.connect import RobotAddress, require_zenoh
 
-FOLDER = Path(__file__).parent
-PROGRAMS = {"driving": "driving_robot.py", "unknown": "unknown_robot.py"}
+HERE = Path(__file__)
+PROGRAMS = {
+    "driving": HERE.with_name("driving_robot.py"),
+    "unknown": HERE.parents[1] / "robots" / "unknown_robot.py",
+}
 # The robot that does not import the kit.
 REAL_KIND = "driving"
 THIS_COMPUTER = f"{DDS}127.0.0.1"
@@ -63,7 +66,7 @@ def robot(
     """
     if kind not in PROGRAMS:
         raise CourseError(f"There is no robot {kind!r}: start one of {', '.join(PROGRAMS)}.")
-    program = FOLDER / PROGRAMS[kind]
+    program = PROGRAMS[kind]
     if place.is_on_real_ros:
         if kind != REAL_KIND:
             raise CourseError(f"The robot {kind!r} needs the kit: --ros runs only {REAL_KIND!r}.")

@@ -1,4 +1,4 @@
-"""A robot to be explored: `ros2 run unknown_robot robot`, or its nodes.
+"""A robot to be explored: `ros2 run unknown_robot robot`, `course robot unknown`, or its nodes.
 
 Students of week 6 find out its properties with the tools of ROS. The properties therefore depend on
 the robot's serial number, and they are set only while the robot runs, so that reading the source or
@@ -9,6 +9,7 @@ import hashlib
 import math
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import partial
 from typing import Any, TypeVar
 
@@ -319,3 +320,21 @@ def stamped_transform(
     message.transform.translation.x, message.transform.translation.y = x, y
     message.transform.rotation.z, message.transform.rotation.w = math.sin(yaw / 2), math.cos(yaw / 2)
     return message
+
+
+def main() -> None:
+    """Run the robot until Ctrl+C, in several threads so that no node blocks another."""
+    import rclpy
+    from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+
+    rclpy.init()
+    executor, nodes = MultiThreadedExecutor(), unknown_robot()
+    for node in nodes:
+        executor.add_node(node)
+    nodes[0].get_logger().info("The robot is ready. Explore it.")
+    with suppress(KeyboardInterrupt, ExternalShutdownException):
+        executor.spin()
+
+
+if __name__ == "__main__":
+    main()

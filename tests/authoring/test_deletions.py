@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import pytest
 
-from course_lib.authoring.edits import Code, Deletion, deletions, find_false_passes, group_deletions
+from course_lib.authoring.deletions import Code, Deletion, deletions, find_false_passes, group_deletions
 from course_lib.authoring.rehearsal import Rehearsal, RehearsalResult, rehearse
 from course_lib.grading import Call, Check, Scenario, Task, expect_value
 from course_lib.grading.judge import judge_task

@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from course_lib.authoring.edits import Code, find_false_passes, make_edits, operators, read_answers
+from course_lib.authoring.deletions import Code, find_false_passes
+from course_lib.authoring.edits import make_edits, operators, read_answers
 from course_lib.authoring.new import new_week, template_picture
 from course_lib.authoring.rehearsal import cells_of
 from course_lib.authoring.rules import Flaw

@@ -16,16 +16,15 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from course_lib.authoring.edits import (
+from course_lib.authoring.deletions import (
     Code,
-    apply_changes,
     crash_message,
     deletions,
     false_passes,
     group_deletions,
-    read_answers,
     rehearsal_without,
 )
+from course_lib.authoring.edits import apply_changes, read_answers
 from course_lib.authoring.rehearsal import rehearse
 from course_lib.grading.executors import executors
 from course_lib.grading.store import catalog_of, this_course

@@ -143,7 +143,7 @@ def test_short_console_message_is_on_one_line_next_to_a_view(one_page: Page) -> 
     one_page.set_viewport_size({"width": 640, "height": 200})  # [px]
     row = ("2", "30 images per second", "Info", "robot.camera_driver", "1700000128.348246398")
     heads = ("#", "Message", "Severity", "Node", "Stamp", "Location")
-    messages = table(heads, [(*row, "unknown_robot.py:start:115")], "Log messages")
+    messages = table(heads, [(*row, "unknown_robot.py:start:116")], "Log messages")
     one_page.set_content(f"{STYLE}<div class='rqt'>{messages}</div>")
     count_lines = """cell => {
         const range = document.createRange();

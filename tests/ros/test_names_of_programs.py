@@ -71,6 +71,7 @@ IMPORTS = (
     "from rclpy.lifecycle.publisher import LifecyclePublisher",
     "from rclpy.type_description_service import TypeDescriptionService",
     "from ament_index_python.resources import get_resource",
+    "from ros2_numpy.point_cloud2 import get_xyz_points",
     "from rosbag2_py._reader import SequentialReader",
     "from rosidl_parser.definition import NamespacedType",
     "from rosidl_runtime_py.convert import message_to_yaml",

@@ -66,6 +66,15 @@ def behind(channel: Channel, graph: Graph) -> RemoteGraph:
     return RemoteGraph(channel, start_ns=START_NS, end_ns=END_NS, last_id=graph.last_id)
 
 
+def serve(graph: Graph, child: Callable[[Channel], None]) -> None:
+    server = GraphServer(graph, in_a_child(child))
+    server.serve()
+    while graph.advance():
+        pass
+    server.end()
+    assert server.last_frame == ["done"]
+
+
 def run_in_remote_graph(graph: Graph) -> None:
     def child(channel: Channel) -> None:
         remote = behind(channel, graph)
@@ -75,12 +84,7 @@ def run_in_remote_graph(graph: Graph) -> None:
         assert [end.kind for end in remote.endpoints_on("/count")] == ["pub", "sub"]
         channel.send(["done"])
 
-    server = GraphServer(graph, in_a_child(child))
-    server.serve()
-    while graph.advance():
-        pass
-    server.end()
-    assert server.last_frame == ["done"]
+    serve(graph, child)
 
 
 def test_program_in_another_process_gives_the_same_recording_as_a_local_program() -> None:
@@ -152,12 +156,7 @@ def program_behind_the_pipe(name: str, graph: Graph) -> None:
         run_program(name, behind(channel, graph))
         channel.send(["done"])
 
-    server = GraphServer(graph, in_a_child(child))
-    server.serve()
-    while graph.advance():
-        pass
-    server.end()
-    assert server.last_frame == ["done"]
+    serve(graph, child)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import ros2_numpy
 from geometry_msgs.msg import Point, Pose, Quaternion, Transform, Vector3
 from nav_msgs.msg import OccupancyGrid
 from ros2_numpy import msgify, numpify
-from ros2_numpy.point_cloud2 import (
+from ros2_numpy.conversions import (
     get_xyz_points,
     merge_rgb_fields,
     pointcloud2_to_xyz_array,

@@ -82,6 +82,7 @@ HOME_MODULES = {
     "ros2_numpy.geometry": "ros2_numpy.conversions",
     "ros2_numpy.image": "ros2_numpy.conversions",
     "ros2_numpy.occupancy_grid": "ros2_numpy.conversions",
+    "ros2_numpy.point_cloud2": "ros2_numpy.conversions",
     "ros2_numpy.registry": "ros2_numpy.conversions",
     "rosbag2_py._compression_options": "rosbag2_py._storage",
     "rosbag2_py._info": "rosbag2_py._storage",
