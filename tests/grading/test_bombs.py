@@ -1,6 +1,7 @@
 """Archives that unpack to more than they seem to hold."""
 
 import struct
+import tracemalloc
 import zipfile
 from collections.abc import Callable
 from io import BytesIO
@@ -9,9 +10,12 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
+from course_lib.grading.judge import time_limit
 from course_lib.grading.submissions import archives
 from course_lib.grading.submissions.archives import MAX_UNPACKED_BYTES, MAX_UNPACKED_FILES
 from course_lib.grading.submissions.collect import Collection, collect
+from course_lib.grading.submissions.copies import select_code
+from course_lib.grading.submissions.notebook import MAX_BRACKETS, parse_notebook, without_outputs
 from course_lib.grading.submissions.submission import UTC, find_submissions
 from tests.grading.platforms import NAME, notebook, zipped
 
@@ -176,3 +180,37 @@ def test_zip_bomb_is_rejected_with_one_line_messages(tmp_path: Path) -> None:
     collection: Collection = collect(tmp_path / "in", tmp_path / "out", UTC)
     assert all("\n" not in line for line in collection.refused)
     assert total(tmp_path / "out") <= MAX_UNPACKED_BYTES
+
+
+@pytest.mark.parametrize(
+    ("data", "is_closed"),
+    [
+        (b'{"outputs": [{"text": "' + rb"\n" * MEGABYTE + b'"}]}', True),
+        (b'"' + rb"\"" * MEGABYTE, False),
+        (b'"' + b"\\" * (2 * MEGABYTE + 1), False),
+    ],
+    ids=["escapes", "escaped quotes without an end", "an escape without an end"],
+)
+def test_outputs_are_removed_in_bounded_time_and_memory(data: bytes, is_closed: bool) -> None:
+    tracemalloc.start()
+    try:
+        with time_limit(20):
+            kept = without_outputs(data)
+        assert tracemalloc.get_traced_memory()[1] < 4 * len(data)
+    finally:
+        tracemalloc.stop()
+    assert kept == (b'{"outputs": []}' if is_closed else data)
+
+
+def test_notebook_of_millions_of_json_objects_is_rejected_except_in_outputs() -> None:
+    objects = b"{}," * MAX_BRACKETS + b"{}]"
+    with pytest.raises(CourseError, match="1,000,003 opening brackets, expected at most 1,000,000"):
+        parse_notebook(b'{"cells": [' + objects + b"}", NAME)
+    cell = b'{"cell_type": "code", "source": "x", "outputs": [' + objects + b"}"
+    assert parse_notebook(b'{"cells": [' + cell + b"]}", NAME).cells == ("x",)
+
+
+def test_code_of_a_million_empty_lines_is_compared_in_bounded_time() -> None:
+    with time_limit(20):
+        compared = select_code(["\n" * MEGABYTE + " \t%run a.py", "\n" * MEGABYTE], ["RedCube"], ())
+    assert compared.remarks[1:] == ("uses a magic that runs code",)

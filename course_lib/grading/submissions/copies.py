@@ -365,7 +365,8 @@ UNPACKING = (
 SUSPECT = re.compile(rf"\b(?:{'|'.join((*RUNNING, *UNPACKING))})\b")
 # The beginning of a definition or an assignment, found even in code that Python can't parse.
 STATEMENT = re.compile(r"^(?=(?:@|class\b|def\b|async\b|[A-Za-z_]\w*\s*[:=]))", re.MULTILINE)
-RUN_MAGIC = re.compile(r"^\s*%(?:run|load|cell_magic)\b|^\s*%%(?:python3?|script|bash|sh)\b", re.MULTILINE)
+# Possessive, and within a line: empty lines would be searched again from each of them.
+RUN_MAGIC = re.compile(r"^[^\S\n]*+%(?:(?:run|load|cell_magic)|%(?:python3?|script|bash|sh))\b", re.MULTILINE)
 
 
 @dataclass(frozen=True)

@@ -19,9 +19,12 @@ from course_lib.third_party import compile_python, parse_python, read_json
 MAX_BYTES = 20_000_000  # [B] limit for a notebook without its outputs, and for any other file
 MAX_WITH_OUTPUTS = 100_000_000  # [B] limit for a notebook as submitted
 MAX_TOKENS = 4_000_000  # JSON tokens that are scanned for outputs
+MAX_BRACKETS = 1_000_000  # opening brackets: each object or list takes up to 250 B of memory
 # file names into which some systems turn .ipynb
 NOTEBOOK_NAME = re.compile(r"\.ipynb(\.txt|\.json)?$|\.json$", re.IGNORECASE)
-TOKEN = re.compile(rb'"[^"\\]*(?:\\.[^"\\]*)*"|[\[\]{}]', re.DOTALL)
+# Possessive, because an escape to return to would take 80 bytes of memory. A string without an end
+# is one token, because another search would begin at each of its escaped quotes.
+TOKEN = re.compile(rb'"(?:[^"\\]++|\\.)*+(?:"|\\?\Z)|[\[\]{}]', re.DOTALL)
 OUTPUTS = re.compile(rb'"(?:outputs|attachments|widgets)"')
 OPENS = re.compile(rb"\s*:\s*([\[{])")
 LOOKS_LIKE = {
@@ -65,10 +68,15 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
     Raises:
         CourseError: It is too large, not JSON, or not a notebook of format 3 or 4.
     """
-    if MAX_BYTES < len(data) <= MAX_WITH_OUTPUTS:
+    if MAX_BYTES < len(data) <= MAX_WITH_OUTPUTS or _count_brackets(data) > MAX_BRACKETS:
         data = without_outputs(data)
     if len(data) > MAX_BYTES:
         raise CourseError(f"{name} has more than {MAX_BYTES:,} bytes. Clear its outputs and save it.")
+    if (count := _count_brackets(data)) > MAX_BRACKETS:
+        raise CourseError(
+            f"{name} has {count:,} opening brackets, expected at most {MAX_BRACKETS:,}. Clear its outputs "
+            "and save it."
+        )
     try:
         content = read_json(data)  # in UTF-8, 16 or 32
     except ValueError as error:
@@ -104,6 +112,10 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
     # Exercises have the metadata "exercise" and "minutes", lessons only "minutes".
     is_lesson = "minutes" in claims and "exercise" not in claims
     return Notebook(code, exercise, claimed_id(claims), ran, is_lesson, digest)
+
+
+def _count_brackets(data: bytes) -> int:
+    return data.count(b"{") + data.count(b"[")
 
 
 def is_notebook_name(name: str) -> bool:
