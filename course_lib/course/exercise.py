@@ -235,16 +235,23 @@ def set_identity(text: str) -> str:
         text: The student ID, like "20231234".
 
     Raises:
-        CourseError: It is not an ID.
+        CourseError: It is not an ID, or an exercise cannot be written.
     """
     student, state = normalise(text), student_state()
     state.put("identity", "student", student)
     where, then = "while this kernel lives", ""
-    if state.folder and (stamped := stamp_exercises(state.folder, student)):
-        where = f"in {state.folder} and in {format_count(len(stamped), 'exercise')}"
-        then = " If JupyterLab says that an open one has changed on disk, choose Overwrite."
-    elif state.folder:
+    if state.folder and state.is_saved("identity"):
         where = f"in {state.folder}"
+        try:
+            stamped = stamp_exercises(state.folder, student)
+        except OSError as error:
+            raise CourseError(
+                f"Your ID {student} is stored, but not in your exercises. {error.filename} cannot be "
+                f"written: {error.strerror}. Correct that, then set your ID again."
+            ) from None
+        if stamped:
+            where += f" and in {format_count(len(stamped), 'exercise')}"
+            then = " If JupyterLab says that an open one has changed on disk, choose Overwrite."
     return f"Your ID is {student}, stored {where}.{then}"
 
 

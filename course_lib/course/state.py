@@ -1,9 +1,11 @@
 """The student's state: small JSON files in the folder's .course/.
 
 A student may close the laptop, fill the disk or open two kernels at any moment. Each file is
-therefore replaced as a whole by renaming a complete draft, so a reader never sees half of one.
+therefore replaced as a whole by renaming a complete draft, so a reader never sees half of one. What
+cannot be written is kept in memory: a full disk must not prevent a student from checking an answer.
 """
 
+import errno
 import hashlib
 import json
 import os
@@ -37,6 +39,10 @@ def find_student_folder(start: Path | None = None) -> Path | None:
     return next((folder for folder in (top, *top.parents) if (folder / STATE_FOLDER).is_dir()), None)
 
 
+# Values of each file that could not be written.
+_unsaved: dict[Path, dict[str, Any]] = {}
+
+
 class State:
     """Sections of keys and plain values. Without a folder they exist until the process ends."""
 
@@ -52,33 +58,50 @@ class State:
         try:
             content = read_json(read_text(path))
         except FileNotFoundError:
-            return {}
+            content = {}
         except ValueError as error:
             raise CourseError(f"{path} is broken ({error}). Delete it and run the cell again.") from error
-        return content if isinstance(content, dict) else {}
+        return (content if isinstance(content, dict) else {}) | _unsaved.get(path, {})
 
     def get(self, name: str, key: str) -> Any:
         """Return a value of a section, or None."""
         return self.section(name).get(key)
 
     def put(self, name: str, key: str, value: Any) -> None:
-        """Store a plain value (str, number, bool, list or dict of these)."""
+        """Store a plain value (str, number, bool, list or dict of these).
+
+        If the file cannot be written, the value is kept in memory, and written with the next one.
+        """
         section = self.section(name) | {key: value}
         path = self._path(name)
         if path is None:
             self._memory[name] = section
-        else:
-            text = json.dumps(section, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
+            return
+        text = json.dumps(section, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
+        try:
             write_atomically(path, text.encode())
+        except OSError as error:
+            _unsaved.setdefault(path, {})[key] = value
+            advice = _FREE_SPACE if error.errno in (errno.ENOSPC, errno.EDQUOT) else _OTHER_FOLDER
+            _print_once(f"{path.parent} cannot be written: {error.strerror}. {_IN_MEMORY} {advice}")
+        else:
+            _unsaved.pop(path, None)
+
+    def is_saved(self, name: str) -> bool:
+        """Return whether all values of a section are in its file."""
+        path = self._path(name)
+        return path is not None and path not in _unsaved
 
     def _path(self, name: str) -> Path | None:
         return self.folder and self.folder / STATE_FOLDER / f"{name}.json"
 
 
 _of_this_process = State(None)
+_OTHER_FOLDER = "For a folder of your own, type in a terminal: course lab ~/my_course"
+_FREE_SPACE = "Delete files that you do not need, and run this cell again."
+_IN_MEMORY = "What you enter here is kept only while this kernel lives."
 _READ_ONLY = (
-    "{} cannot be written, so what you enter here is kept only while this kernel lives. "
-    "For a folder of your own, type in a terminal: course lab ~/my_course"
+    f"{{}} cannot be written, so what you enter here is kept only while this kernel lives. {_OTHER_FOLDER}"
 )
 
 

@@ -1,9 +1,12 @@
+import errno
+import os
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from course_lib.course import exercise as exercise_module
 from course_lib.course.exercise import (
     ask_identity,
     current_identity,
@@ -64,6 +67,21 @@ def test_id_is_stored_and_written_into_the_exercises(folder: Path) -> None:
 def test_damaged_exercise_does_not_prevent_setting_the_id(folder: Path) -> None:
     (folder / "week01_exercise.ipynb").write_text("{")
     set_identity("s1")
+    assert current_identity() == "s1"
+
+
+def test_unwritable_exercise_is_reported_after_the_id_is_stored(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    exercise = folder / "week01_exercise.ipynb"
+    exercise.write_text(notebook_text({"cells": [], "metadata": {}, "nbformat": 4, "nbformat_minor": 5}))
+
+    def fail(path: Path, data: bytes) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+    monkeypatch.setattr(exercise_module, "write_atomically", fail)
+    with pytest.raises(CourseError, match=r"s1 is stored, but .*week01_exercise\.ipynb cannot be written"):
+        set_identity("s1")
     assert current_identity() == "s1"
 
 

@@ -1,3 +1,4 @@
+import errno
 import json
 import os
 from pathlib import Path
@@ -84,3 +85,30 @@ def test_state_of_a_read_only_folder_is_kept_in_memory_with_one_notice(
     (line,) = capsys.readouterr().out.splitlines()
     assert f"{folder} cannot be written" in line
     assert "course lab ~/my_course" in line
+
+
+@pytest.mark.parametrize(
+    ("code", "advice"), [(errno.ENOSPC, "Delete files"), (errno.EACCES, "course lab ~/my_course")]
+)
+def test_unwritable_values_are_kept_and_written_when_it_is_possible_again(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], code: int, advice: str
+) -> None:
+    def fail(path: Path, data: bytes) -> None:
+        raise OSError(code, os.strerror(code), str(path))
+
+    state = State(folder)
+    state.put("checks", "week01.red_cube", 1)
+    with monkeypatch.context() as full_disk:
+        full_disk.setattr(state_module, "write_atomically", fail)
+        state.put("checks", "week01.blue_cylinder", 2)
+        state.put("checks", "week01.red_cube", 3)
+    assert not state.is_saved("checks")
+    # Also for another object: each check asks for the state again.
+    assert State(folder).get("checks", "week01.red_cube") == 3
+    (line,) = capsys.readouterr().out.splitlines()
+    assert f"{folder / '.course'} cannot be written: {os.strerror(code)}." in line
+    assert advice in line
+    state.put("checks", "week01.post", 4)
+    assert state.is_saved("checks")
+    stored = json.loads((folder / ".course" / "checks.json").read_text())
+    assert stored == {"week01.blue_cylinder": 2, "week01.red_cube": 3, "week01.post": 4}
