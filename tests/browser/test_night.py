@@ -11,7 +11,7 @@ from playwright.sync_api import Locator, expect
 
 from course_lib.course.questions import load_prediction, load_quiz
 from course_lib.third_party import read_json
-from tests.browser.jupyterlab import KERNEL, Lab, Notebook, opened, red_pixels
+from tests.browser.jupyterlab import KERNEL, Lab, Notebook, count_pixels, opened, red_pixels
 from tests.browser.waiting import A_FRAME, wait_until
 from tests.patience import PATIENCE
 
@@ -46,18 +46,22 @@ cube.color.b = cube.color.a = 1.0""",
     "joint_sliders(JointStatePublisher(load_robot('ur10').urdf))",
     "%rqt topic",
     "from ipywidgets import HTML, IntSlider, VBox\nVBox([HTML('<i>words of my own</i>'), IntSlider(7)])",
+    "cube.color.r, cube.color.g = 0.0, 1.0\npublisher.publish(cube)\nspin_for(0.5)\nviewer",
     *["# JupyterLab draws no cell far out of sight." + "\n" * 30] * 70,
     "print('far below')\nquiz('week01_recall')\npredict('week01.ground')",
 )
-RED_PIXELS = """image => {
+COLOR_PIXELS = """(image, channel) => {
     const canvas = document.createElement("canvas");
     [canvas.width, canvas.height] = [image.naturalWidth, image.naturalHeight];
     const context = canvas.getContext("2d");
     context.drawImage(image, 0, 0);
     const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
     let count = 0;
-    for (let i = 0; i < data.length; i += 4) count += data[i] > 90 && data[i + 1] < 60 && data[i + 2] < 60;
+    for (let i = 0; i < data.length; i += 4) {
+        const others = [0, 1, 2].filter((one) => one !== channel);
+        count += data[i + channel] > 90 && others.every((one) => data[i + one] < 60); }
     return count; }"""
+RED, GREEN = 0, 1  # channels
 
 # The second save begins when the first one has written the file, and before the page knows that.
 SAVE_TWICE = """async () => {
@@ -82,8 +86,8 @@ def reopened(lab: Lab) -> Iterator[Notebook]:
     """A notebook that was run, answered, saved and closed, with its kernel ended, and opened again."""
     with opened(lab, "night.ipynb", CELLS) as notebook:
         notebook.run_all()
-        view = notebook.cell("viewer.add").locator("canvas").first
-        wait_until(lambda: red_pixels(view) > ENOUGH, notebook.page, A_FRAME)
+        view = notebook.cell("color.g = 0.0, 1.0").locator("canvas").first
+        wait_until(lambda: green_pixels(view) > ENOUGH, notebook.page, A_FRAME)
         notebook.cell("predict(").get_by_text(GUESS.text, exact=True).click()
         notebook.cell("quiz(").get_by_text(RECALL.right.text, exact=True).click()
         notebook.cell("quiz(").get_by_text("✔ Right.").wait_for()
@@ -98,6 +102,10 @@ def reopened(lab: Lab) -> Iterator[Notebook]:
         notebook.open()
         notebook.page.wait_for_timeout(3000)  # [ms]; views ask for their models for 2 s
         yield notebook
+
+
+def green_pixels(view: Locator) -> int:
+    return count_pixels(view, "g > 90 && r < 60 && b < 60")
 
 
 def picture(notebook: Notebook, name: str) -> None:
@@ -116,9 +124,12 @@ def test_reopened_view_shows_its_last_image_and_a_continue_button(reopened: Note
     saved(cell)
     picture(reopened, "night_view")
     image = cell.locator("img")
-    # The cube was blue when the view's cell was run, and red when the notebook was saved.
-    assert image.evaluate(RED_PIXELS) > ENOUGH
+    # The cube was blue when the view's cell was run, and red before another cell showed the view.
+    assert image.evaluate(COLOR_PIXELS, RED) > ENOUGH
     cell.get_by_role("button", name="Continue here").wait_for()
+    later = reopened.cell("color.g = 0.0, 1.0")
+    saved(later)
+    assert later.locator("img").evaluate(COLOR_PIXELS, GREEN) > ENOUGH
 
 
 def test_reopened_predictions_and_quizzes_show_the_student_answers(reopened: Notebook) -> None:

@@ -271,13 +271,29 @@
       }));
   }
 
-  /** Put what views and controls show now into the notebook, which is about to be saved. */
+  /** Return the cell of each widget, by the widget's model: of several cells, the one that was run last. */
+  function newestCells(cells) {
+    const newest = new Map();
+    for (const cell of cells)
+      for (let i = 0; i < cell.model.outputs.length; i++) {
+        const id = cell.model.outputs.get(i).data[WIDGET]?.model_id;
+        if (!(newest.get(id)?.model.executionCount > cell.model.executionCount)) newest.set(id, cell);
+      }
+    return newest;
+  }
+
+  /**
+   * Put what views and controls show now into the notebook, which is about to be saved or changed by a cell. Where
+   * several cells show one view, only the last one gets the new picture: each cell keeps the picture of its own step.
+   */
   function savePictures(panel) {
-    for (const cell of panel.content.widgets) {
-      const outputs = cell.model.type === "code" ? cell.model.outputs : null;
-      for (let i = 0; outputs && i < outputs.length; i++) {
+    const cells = panel.content.widgets.filter((cell) => cell.model.type === "code");
+    const newest = newestCells(cells);
+    for (const cell of cells) {
+      const { outputs } = cell.model;
+      for (let i = 0; i < outputs.length; i++) {
         const { data } = outputs.get(i);
-        if (!data[WIDGET]?.model_id) continue;
+        if (!data[WIDGET]?.model_id || newest.get(data[WIDGET].model_id) !== cell) continue;
         const node = cell.outputArea?.widgets[i]?.node;
         const panel = node?.querySelector(".course-html") ?? plainWidget(node, data);
         const source = node?.querySelector(".course-keeps");
@@ -395,6 +411,8 @@
           queueSaves(panel.context);
           panel.context.saveState.connect((_, state) => state === "started" && savePictures(panel));
           const { sessionContext } = panel;
+          // A cell starts: what it changes belongs to its own picture.
+          sessionContext.iopubMessage.connect((_, { header }) => header.msg_type === "execute_input" && savePictures(panel));
           sessionContext.statusChanged.connect((_, status) => ENDED_STATUSES.includes(status) && showEnded(panel));
           // A hub that culls an idle kernel ends its session, too.
           sessionContext.sessionChanged.connect((_, { newValue }) => newValue || showEnded(panel));
