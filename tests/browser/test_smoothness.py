@@ -1,10 +1,13 @@
 """Views without a graphics card: fewer triangles while something moves, and no instances."""
 
+from base64 import b64decode
+from io import BytesIO
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from PIL import Image
 
 from course_lib.viewer.drawables import Camera, Inset, Lines, Mesh, Points, Solids
 from course_lib.viewer.scene import Scene
@@ -127,6 +130,45 @@ def test_many_boxes_points_and_lines_need_one_draw_call_each_without_instancing(
     assert counted.page.evaluate("instanced") == 0
     drawn = counted.page.evaluate("drawn")
     assert {300 * 12, 300 * 2} <= set(drawn)
+
+
+COUNT_DOTS = """() => {
+    globalThis.dots = [];
+    for (const gl of [WebGLRenderingContext, WebGL2RenderingContext]) {
+        const draw = gl.prototype.drawArrays;
+        gl.prototype.drawArrays = function (...all) {
+            if (all[0] === this.POINTS) dots.push(all[2]); return draw.apply(this, all); };
+    } }"""
+
+
+def red_of(pixels: NDArray[Any]) -> tuple[int, float]:
+    """Return the number of red pixels, and their mean brightness."""
+    is_red = (pixels[..., 0] > 100) & (pixels[..., 1] < 60)
+    return int(is_red.sum()), float(pixels[is_red, 0].mean())
+
+
+def test_very_many_boxes_are_dots_that_look_like_boxes_while_the_view_turns(counted: Host) -> None:
+    page = counted.page
+    page.evaluate(COUNT_DOTS)
+    across = np.linspace(-2, 2, 40)  # [m]
+    places = np.stack([part.ravel() for part in np.meshgrid(across, across, [0.0])], axis=-1)
+    shown(counted, boxes=Points(places, (1, 0, 0, 1), (0.05,) * 3, spot="box"))
+    canvas = page.locator("canvas")
+    wait_until(lambda: canvas.get_attribute("aria-busy") == "false", page)
+    page.evaluate("dots.length = drawn.length = 0")
+    full = red_of(counted.pixels())
+    copied = page.evaluate("""async () => {
+        const canvas = document.querySelector("canvas");
+        canvas.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft" }));
+        canvas.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight" }));
+        while (!dots.length) await new Promise(requestAnimationFrame);
+        return canvas.toDataURL("image/png"); }""")
+    picture = Image.open(BytesIO(b64decode(copied.partition(",")[2]))).convert("RGB")
+    assert page.evaluate("[dots[0], drawn.length]") == [1600, 0]
+    assert full[0] > 1000
+    assert red_of(np.asarray(picture)) == pytest.approx(full, rel=0.1)
+    wait_until(lambda: canvas.get_attribute("aria-busy") == "false", page)
+    assert set(page.evaluate("drawn")) == {1600 * 12}
 
 
 def test_click_on_one_of_many_boxes_gives_its_index(host: Host) -> None:

@@ -1,9 +1,12 @@
 /* global THREE */
+import { withSimpleVersion } from "./coarse.js";
 import { material, pixel, studio } from "./materials.js";
 import { MOST_VERTICES, isTransparent, spread } from "./surfaces.js";
 
 const BOX_SHADES = [0.6, 0.6, 0.4, 1, 0.9, 0.5]; // of the sides +x -x +y -y +z -z, as in RViz's nogp/box.frag
 const MANY_POINTS = 20_000; // number of points from which on they are too small to show the orientation of their squares
+const SIMPLE_POINTS = 1_000; // number of points from which on they have a version with one vertex each
+const SIMPLE_LINES = 5_000; // number of pieces of lines, likewise: two vertices each instead of four, and no width
 const square = () => new THREE.PlaneGeometry(1, 1);
 
 /**
@@ -18,8 +21,8 @@ const POINT_SHAPES = {
   box: { define: "BOX", shape: () => new THREE.BoxGeometry(1, 1, 1), shade: (i) => BOX_SHADES[i >> 2] },
 };
 
-/** @type {Record<string, "DOT" | "DISC" | "BALL">} The shapes that a shader can draw around one vertex. */
-const DOTS = { square: "DOT", disc: "DISC", sphere: "BALL" };
+/** @type {Record<string, "DOT" | "DISC" | "BALL" | "CUBE">} The shapes that a shader can draw around one vertex. */
+const DOTS = { square: "DOT", disc: "DISC", sphere: "BALL", box: "CUBE" };
 
 /**
  * Draw one flat shape or box per instance, which its shader places.
@@ -119,7 +122,7 @@ export function buildLines(lines) {
   };
   const hasAlpha = isTransparent(colors);
   const isThin = hasAlpha && !lines.width; // like RViz's grid
-  return createInstances(material("strip", hasAlpha, isThin ? "THIN" : "", false), square(), { size: [lines.width, 0, 0] }, {
+  const full = createInstances(material("strip", hasAlpha, isThin ? "THIN" : "", false), square(), { size: [lines.width, 0, 0] }, {
     before: pick(points, 3, (i) => (lines.strip ? Math.max(i - 1, 0) : i)), // pairs have no neighbours
     start: pick(points, 3, (i) => i),
     end: pick(points, 3, (i) => i + 1),
@@ -127,20 +130,32 @@ export function buildLines(lines) {
     startTint: pick(colors, 4, (i) => i),
     endTint: pick(colors, 4, (i) => i + 1),
   });
+  if (starts.length < SIMPLE_LINES) return full;
+  const geometry = geometryOfDots(points, colors);
+  geometry.setIndex(new THREE.BufferAttribute(Uint32Array.from(starts.flatMap((i) => [i, i + 1])), 1));
+  const simple = new THREE.LineSegments(geometry, material("spot", hasAlpha, "DOT"));
+  return withSimpleVersion(full, withUniforms(simple, { size: [0, 0, 0], inPixels: false, grow: false }, {}));
 }
 
-/**
- * Draw one vertex per point: squares or discs aligned with the image, which are much faster than shapes.
- * @param {Float32Array} points @param {Uint8Array} tints @param {"DOT" | "DISC" | "BALL"} define
- * @param {Record<string, any>} uniforms
- */
-function createDots(points, tints, define, uniforms) {
+/** @param {Float32Array} points @param {Uint8Array} tints @returns {any} a geometry with one vertex per point */
+function geometryOfDots(points, tints) {
   const geometry = new THREE.BufferGeometry();
   const position = new THREE.BufferAttribute(points, 3);
   geometry.setAttribute("position", position);
   geometry.setAttribute("start", position);
   geometry.setAttribute("startTint", new THREE.BufferAttribute(tints, 4, true));
-  return withUniforms(new THREE.Points(geometry, material("spot", isTransparent(tints), define)), uniforms, { start: position });
+  return geometry;
+}
+
+/**
+ * Draw one vertex per point: squares or discs aligned with the image, or boxes, which are much faster than shapes.
+ * @param {Float32Array} points @param {Uint8Array} tints @param {"DOT" | "DISC" | "BALL" | "CUBE"} define
+ * @param {Record<string, any>} uniforms
+ */
+function createDots(points, tints, define, uniforms) {
+  const geometry = geometryOfDots(points, tints);
+  const dots = new THREE.Points(geometry, material("spot", isTransparent(tints), define));
+  return withUniforms(dots, uniforms, { start: geometry.attributes.start });
 }
 
 /** @param {any} points */
@@ -152,12 +167,15 @@ export function buildPoints({ points, colors, size, pixels, spot, grow }) {
   const tints = spread(colors, points.length / 3);
   const uniforms = { size, inPixels: pixels, grow };
   const dot = DOTS[spot];
-  if (dot && points.length / 3 >= MANY_POINTS) return createDots(points, tints, dot, uniforms);
+  const count = points.length / 3;
+  if (dot && spot !== "box" && count >= MANY_POINTS) return createDots(points, tints, dot, uniforms);
   const paint = material("spot", isTransparent(tints), pixels ? "" : define, spot === "tile");
-  return createInstances(paint, geometry, uniforms, {
+  const full = createInstances(paint, geometry, uniforms, {
     start: perInstance(points, 3),
     startTint: perInstance(tints, 4),
   });
+  if (!dot || pixels || count < SIMPLE_POINTS) return full;
+  return withSimpleVersion(full, createDots(points, tints, dot, uniforms));
 }
 
 /** @param {any} text */

@@ -1,6 +1,6 @@
 /* global THREE */
 
-// Versions of large meshes with fewer triangles. Software takes about half a microsecond per triangle of any size;
+// Versions of large meshes with fewer triangles, and of objects with very many parts with one vertex per part. Software takes about half a microsecond per triangle of any size;
 // a robot has 80,000 triangles, most of them smaller than a pixel.
 
 const LARGE = 300; // number of triangles from which on a mesh has versions
@@ -15,6 +15,18 @@ const TIME_PER_PICTURE = 12; // [ms] to spend on versions per picture; the other
 
 /** @type {Map<any, Large>} by mesh */
 const large = new Map();
+
+/** @type {Map<any, any>} the simple versions of objects with very many parts */
+const simple = new Map();
+
+/** @param {any} object @param {any} version with one vertex per part @returns {any} a group that draws one of them */
+export function withSimpleVersion(object, version) {
+  version.visible = false;
+  version.raycast = () => {};
+  simple.set(object, version);
+  object.geometry.addEventListener("dispose", () => simple.delete(object));
+  return new THREE.Group().add(object, version);
+}
 
 /** @param {any} mesh that may be drawn with fewer triangles */
 export function makeCoarse(mesh) {
@@ -45,15 +57,16 @@ export function createVersions() {
 }
 
 /**
- * Draw large meshes with fewer triangles.
- * @param {number} cell [px] see Quality; 0 for all triangles @param {any} camera @param {number} height [px] of the picture
+ * Draw large meshes with fewer triangles, and objects with very many parts in their simple version.
+ * @param {import("./quality.js").Quality} quality @param {any} camera @param {number} height [px] of the picture
  * @param {() => void} render
  */
-export function drawCoarse(cell, camera, height, render) {
-  if (!cell) return render();
-  for (const entry of large.values()) entry.mesh.geometry = versionFor(entry, camera, cell, height);
+export function drawCoarse(quality, camera, height, render) {
+  for (const [object, version] of simple) [object.visible, version.visible] = [!quality.simple, quality.simple];
+  if (quality.cell) for (const entry of large.values()) entry.mesh.geometry = versionFor(entry, camera, quality.cell, height);
   render();
-  // Rays are intersected with the full mesh.
+  // Rays are intersected with the full version.
+  for (const [object, version] of simple) [object.visible, version.visible] = [true, false];
   for (const { mesh, full } of large.values()) mesh.geometry = full;
 }
 

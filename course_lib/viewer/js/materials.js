@@ -80,6 +80,20 @@ const FRAGMENT = `
     varying vec2 vUv, vHalf;
     const float CORNER = 4.0;  // [px]
   #endif
+  #ifdef CUBE
+    varying vec3 vEye, vRight, vUp;
+    varying float vIsWhole;
+    // The brightness where the ray of this pixel enters the box, whose sides are at -1 and 1; 0 if it passes the box.
+    float brightness() {
+      vec3 at = vRight * (gl_PointCoord.x - 0.5) + vUp * (0.5 - gl_PointCoord.y);
+      vec3 ray = (isOrthographic ? vec3(0.0) : at) - vEye + 1e-6;
+      vec3 first = (-sign(ray) - at) / ray, last = (sign(ray) - at) / ray;
+      float enter = max(max(first.x, first.y), first.z), leave = min(min(last.x, last.y), last.z);
+      vec3 sides = mix(vec3(0.6, 0.4, 0.9), vec3(0.6, 1.0, 0.5), step(0.0, ray));  // BOX_SHADES of billboards.js
+      vec3 entered = step(enter, first);
+      return enter > leave && vIsWhole < 0.5 ? 0.0 : dot(entered, sides) / dot(entered, vec3(1.0));
+    }
+  #endif
   void main() {
     gl_FragColor = vColor;
     #if defined(DISC) || defined(BALL)
@@ -88,6 +102,11 @@ const FRAGMENT = `
       #ifdef BALL
         gl_FragColor.rgb *= 1.0 - 0.2 * fromMiddle;
       #endif
+    #endif
+    #ifdef CUBE
+      float bright = brightness();
+      if (bright == 0.0) discard;
+      gl_FragColor.rgb *= bright;
     #endif
     #ifdef THIN
       if (isStudio) gl_FragColor.a *= 1.0 - smoothstep(0.35, 1.0, length(vAway));
@@ -197,6 +216,10 @@ const STRIP = `${PLACED}
 const SPOT = `${PLACED}
   attribute float shade;
   varying vec2 vUv, vHalf;
+  #ifdef CUBE
+    varying vec3 vEye, vRight, vUp;
+    varying float vIsWhole;
+  #endif
   uniform float capital, lowered;
   uniform vec2 letters;
   void main() {
@@ -219,7 +242,17 @@ const SPOT = `${PLACED}
     #elif defined(BOX)
       axes = mat3(modelViewMatrix);
     #endif
-    #if defined(DOT) || defined(DISC) || defined(BALL)
+    #ifdef CUBE
+      // The eye, and the sides of the point, in the frame of the box, where its own sides are at -1 and 1.
+      float wide = clamp(length(size) * unit / pixelAt(here) * density, 1.0, 1000.0);
+      mat3 turn = mat3(modelViewMatrix);
+      vec3 half_ = max(0.5 * size * unit, 1e-9);
+      vEye = (isOrthographic ? vec3(0.0, 0.0, 1.0) : -here.xyz) * turn / half_;
+      vRight = wide / density * pixelAt(here) * (vec3(1.0, 0.0, 0.0) * turn) / half_;
+      vUp = wide / density * pixelAt(here) * (vec3(0.0, 1.0, 0.0) * turn) / half_;
+      vIsWhole = step(wide, 2.0);  // smaller ones would have gaps
+      gl_PointSize = wide;
+    #elif defined(DOT) || defined(DISC) || defined(BALL)
       gl_PointSize = max(size.x * unit / pixelAt(here), 1.0) * density;
     #else
       here.xyz += axes * ((position - vec3(0.0, lowered, 0.0)) * size * unit);
@@ -237,7 +270,7 @@ const materials = new Map();
 
 /**
  * @param {"surface" | "strip" | "spot"} kind @param {boolean} transparent RViz blends without writing depth
- * @param {"SMOOTH" | "FLAT" | "TEXTURED" | "FACING" | "BOX" | "DOT" | "DISC" | "BALL" | "THIN" | ""} [define] how it is shaded or placed
+ * @param {"SMOOTH" | "FLAT" | "TEXTURED" | "FACING" | "BOX" | "DOT" | "DISC" | "BALL" | "CUBE" | "THIN" | ""} [define] how it is shaded or placed
  * @param {boolean} [doubleSided] @returns {any} a THREE.ShaderMaterial that others use too
  */
 export function material(kind, transparent, define = "", doubleSided = true) {

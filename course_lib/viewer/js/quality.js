@@ -7,17 +7,17 @@
 // single picture that took long, for example because a kernel was starting, does not change the level.
 
 /**
- * @typedef {{scale: number, cell: number}} Quality rendered pixels per displayed pixel; approximate width of a triangle of
- *   a large mesh in displayed pixels, or 0 for all triangles
+ * @typedef {{scale: number, cell: number, simple: boolean}} Quality rendered pixels per displayed pixel; approximate width of
+ *   a triangle of a large mesh in displayed pixels, or 0 for all triangles; whether very many parts are drawn as one vertex each
  */
 /** @type {Quality[]} */
 const LEVELS = [
-  { scale: 2, cell: 0 },
-  { scale: 1, cell: 0 },
-  { scale: 1, cell: 3 },
-  { scale: 0.8, cell: 5 },
-  { scale: 0.6, cell: 8 },
-  { scale: 0.45, cell: 12 },
+  { scale: 2, cell: 0, simple: false },
+  { scale: 1, cell: 0, simple: true },
+  { scale: 1, cell: 3, simple: true },
+  { scale: 0.8, cell: 5, simple: true },
+  { scale: 0.6, cell: 8, simple: true },
+  { scale: 0.45, cell: 12, simple: true },
 ];
 // How many times longer a picture of each level is expected to take than one of the next coarser level.
 const RATIOS = [4, 2, 1.7, 1.8, 1.8];

@@ -61,7 +61,7 @@ export function draw(canvas, mirror, camera, quality = atRest()) {
     const restore = isStudio
       ? inFront(mirror.scene, from, pixel.value, w, h)
       : stackNames(textsOf(mirror.scene), from, pixel.value, w, h);
-    const all = () => drawCoarse(quality.cell, from, h, () => webgl.render(mirror.scene, from));
+    const all = () => drawCoarse(quality, from, h, () => webgl.render(mirror.scene, from));
     if (alpha) onGround(mirror, from, all);
     else all();
     restore();
