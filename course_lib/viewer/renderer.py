@@ -639,7 +639,11 @@ def _shade(sample: Indices, value: Float32s, mask: Bytes | None) -> Fragments:
     return Fragments(sample[inked], depth[inked], color[inked])
 
 
-_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
+# First Debian's Chromium without windows: a picture takes 1.3 s of processor time instead of 3.6 s.
+_NAMES = (
+    "chromium-headless-shell", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable",
+    "chrome", "msedge",
+)  # fmt: skip
 _PLACES = (
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
     "/Applications/Chromium.app/Contents/MacOS/Chromium",

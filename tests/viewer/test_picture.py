@@ -48,6 +48,15 @@ def test_without_a_browser_numpy_draws_and_a_notice_gives_the_reason(
         screenshot(scene, renderer="chromium")
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="programs have other names there")
+def test_chromium_without_windows_is_preferred(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    for name in ("chromium", "chromium-headless-shell"):
+        program = tmp_path / name
+        program.touch(mode=0o755)
+        assert renderer.find_browser.__wrapped__() == str(program)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="the fake browser is a script with a first line")
 def test_hanging_browser_is_ended_and_numpy_draws(
     scene: Scene, browser_that: Callable[[str], None], monkeypatch: pytest.MonkeyPatch
