@@ -522,8 +522,7 @@ def _mark(
 
     Without points, update reports and gradebook from the stored marks.
     """
-    from course_lib.grading.marking.by_hand import mark_by_hand
-    from course_lib.grading.marking.server import follow_marks
+    from course_lib.grading.marking.by_hand import follow_marks, mark_by_hand
 
     if not is_lms and not (given or row or comment or withdraw):
         return follow_marks(out, waiting=typer.echo)

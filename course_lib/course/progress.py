@@ -63,7 +63,7 @@ class Week:
     is_faulty: bool = False
 
 
-def load_weeks() -> tuple[Week, ...]:
+def read_weeks() -> tuple[Week, ...]:
     """Return all weeks that have a lesson, in order, with deadlines and points from course.toml."""
     course = shipped_course_file()
     return tuple(_week(path, course) for path in lessons())
@@ -137,7 +137,7 @@ def _is_done(state: State, task: str, result: Mapping[str, float]) -> bool:
 def contents_page(state: State) -> str:
     """Return the contents page as Markdown. Its links open inside JupyterLab."""
     rows = list[str]()
-    for week in load_weeks():
+    for week in read_weeks():
         following = [path for path in reviews() if path.name.startswith(week.name)]
         deadline = week.settings.deadline
         cells = (
@@ -181,7 +181,7 @@ def status(folder: Path | None = None, now: datetime | None = None) -> tuple[Tab
         raise CourseError(f"{place} contains no {DEFAULT_FOLDER}: run course lab first")
     now, zone, state = now or datetime.now(UTC), shipped_course_file().zone, State(root)
     table = Table(*HEADINGS, caption="Points are those of the public checks; grading adds hidden ones.")
-    rows = [(week, progress(week, state)) for week in load_weeks()]
+    rows = [(week, progress(week, state)) for week in read_weeks()]
     for week, so_far in rows:
         table.add_row(*_cells(week, so_far, now, zone))
     packed_lines = [_describe_packed(week, so_far) for week, so_far in rows if so_far.packed]

@@ -103,35 +103,35 @@ class Question:
         return next((answer for answer in self.answers if answer.text == text), None)
 
 
-def load_quiz(name: str) -> tuple[Question, ...]:
+def read_quiz(name: str) -> tuple[Question, ...]:
     """Read the questions in `exercises/quizzes/<name>.toml`.
 
     Raises:
         CourseError: The quiz does not exist, or a question does not have exactly one right answer.
     """
-    return _load(name, "question")
+    return _read(name, "question")
 
 
-def load_predictions(name: str) -> tuple[Question, ...]:
+def read_predictions(name: str) -> tuple[Question, ...]:
     """Read the predictions of a lesson like "week01"."""
-    return _load(name, "prediction")
+    return _read(name, "prediction")
 
 
-def load_prediction(key: str) -> Question:
+def read_prediction(key: str) -> Question:
     """Read the prediction "week01.top", which has the key "top" in `exercises/quizzes/week01.toml`.
 
     Raises:
         CourseError: The prediction does not exist or does not have exactly one right answer.
     """
     name, _, question_key = key.partition(".")
-    predictions = {question.key: question for question in load_predictions(name)}
+    predictions = {question.key: question for question in read_predictions(name)}
     if question_key not in predictions:
         known_keys = ", ".join(f"{name}.{other}" for other in predictions) or "none"
         raise CourseError(f"there is no prediction {key!r}. Predictions of {name}: {known_keys}")
     return predictions[question_key]
 
 
-def _load(name: str, kind: str) -> tuple[Question, ...]:
+def _read(name: str, kind: str) -> tuple[Question, ...]:
     folder = exercises_dir() / "quizzes"
     path = folder / f"{name}.toml"
     if not path.is_file():
@@ -186,7 +186,7 @@ def predict(key: str) -> None:
     Args:
         key: The prediction's key, like "week01.top".
     """
-    question = load_prediction(key)
+    question = read_prediction(key)
     saved_answer = student_state().get(SECTION, key)
     lines = [f"Predict: {question.text}", *(f"   ( ) {answer.text}" for answer in question.answers)]
     show_form(lambda: _prediction_form(key, question, saved_answer), "\n".join(lines))
@@ -201,7 +201,7 @@ def compare(key: str, measured: str = "") -> None:
         key: The key passed to `predict`.
         measured: A sentence with the values of this run.
     """
-    question = load_prediction(key)
+    question = read_prediction(key)
     guess = question.answer(student_state().get(SECTION, key))
     if guess is None and in_notebook():
         show_form(lambda: _comparison_after_choice(key, question, measured), "")
@@ -335,7 +335,7 @@ def quiz(week: str) -> None:
     Raises:
         CourseError: There is no quiz of this name.
     """
-    questions = load_quiz(week)
+    questions = read_quiz(week)
     show_form(lambda: _quiz_form(week, questions), as_text(questions))
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, expect
 
-from course_lib.course.questions import load_prediction, load_quiz
+from course_lib.course.questions import read_prediction, read_quiz
 from course_lib.third_party import read_json
 from tests.browser.jupyterlab import KERNEL, Lab, Notebook, count_pixels, opened, red_pixels
 from tests.browser.waiting import A_FRAME, wait_until
@@ -17,8 +17,8 @@ from tests.patience import PATIENCE
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
-RECALL = load_quiz("week01_recall")[0]
-GUESS = load_prediction("week01.ground").answers[0]
+RECALL = read_quiz("week01_recall")[0]
+GUESS = read_prediction("week01.ground").answers[0]
 ENOUGH = 500  # [px] of the cube
 CELLS = (
     """\

@@ -1,13 +1,13 @@
 from pathlib import Path
 
-from course_lib.course.progress import contents_page, load_weeks, write_contents
+from course_lib.course.progress import contents_page, read_weeks, write_contents
 from course_lib.course.state import State
 from course_lib.course.student_folder import shipped_files
 
 
 def test_every_lesson_is_listed_with_minutes_and_a_link(tmp_path: Path) -> None:
     page = write_contents(tmp_path).read_text()
-    for week in load_weeks():
+    for week in read_weeks():
         assert f"[{week.title}]({week.lesson}) | {week.minutes} |" in page
 
 

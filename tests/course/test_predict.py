@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.course import questions
-from course_lib.course.questions import WIDTH, _prediction_form, compare, load_prediction, predict
+from course_lib.course.questions import WIDTH, _prediction_form, compare, predict, read_prediction
 from course_lib.course.state import State
 from course_lib.errors import CourseError
 
@@ -18,7 +18,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def choose(answer: str) -> None:
-    form = _prediction_form("week01.ground", load_prediction("week01.ground"), None)
+    form = _prediction_form("week01.ground", read_prediction("week01.ground"), None)
     form.widget.children[1].value = answer
 
 
@@ -41,7 +41,7 @@ def test_comparison_hides_the_answer_until_a_prediction_is_chosen(monkeypatch: p
     (form,) = forms
     saved: list[tuple[str, str]] = []
     form.on_answer.append(lambda: saved.append(form.saved()))
-    right = load_prediction("week01.ground").right
+    right = read_prediction("week01.ground").right
     assert right.text not in form.widget.value
     assert right.text not in form.saved()[1]
     assert right.text not in form.saved()[0]
@@ -59,7 +59,7 @@ def test_wrong_prediction_shows_its_explanation_and_the_result(
     choose(WRONG)
     assert State(folder).section("predictions") == {"week01.ground": WRONG}
     compare("week01.ground")
-    question = load_prediction("week01.ground")
+    question = read_prediction("week01.ground")
     lines = capsys.readouterr().out.splitlines()
     wrong = question.answer(WRONG)
     assert wrong is not None
@@ -78,7 +78,7 @@ def test_correct_prediction_is_confirmed_with_the_measurement(capsys: pytest.Cap
 
 
 def test_stored_prediction_is_selected_when_the_cell_is_rerun() -> None:
-    question = load_prediction("week01.ground")
+    question = read_prediction("week01.ground")
     assert _prediction_form("k", question, RIGHT).widget.children[1].value == RIGHT
     assert _prediction_form("k", question, "an option of an older lesson").widget.children[1].value is None
 

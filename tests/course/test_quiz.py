@@ -8,9 +8,9 @@ from course_lib.course.questions import (
     Answer,
     Question,
     _quiz_form,
-    load_predictions,
-    load_quiz,
     quiz,
+    read_predictions,
+    read_quiz,
     verdict,
 )
 from course_lib.course.state import exercises_dir
@@ -21,7 +21,7 @@ QUIZZES = sorted((exercises_dir() / "quizzes").glob("*.toml"))
 
 @pytest.mark.parametrize("path", QUIZZES, ids=lambda path: path.stem)
 def test_quizzes_recalls_and_reviews_have_the_documented_number_of_questions(path: Path) -> None:
-    count = len(load_quiz(path.stem))
+    count = len(read_quiz(path.stem))
     if path.stem.endswith("_review"):
         assert count == 8
         return
@@ -31,13 +31,13 @@ def test_quizzes_recalls_and_reviews_have_the_documented_number_of_questions(pat
 
 @pytest.mark.parametrize("path", QUIZZES, ids=lambda path: path.stem)
 def test_every_quiz_answer_has_an_explanation(path: Path) -> None:
-    for question in (*load_quiz(path.stem), *load_predictions(path.stem)):
+    for question in (*read_quiz(path.stem), *read_predictions(path.stem)):
         assert 2 <= len(question.answers) <= 5
         assert all(len(answer.reason) > 20 for answer in question.answers)
 
 
 def test_correct_answers_are_at_different_positions() -> None:
-    places = {[a.right for a in q.answers].index(True) for path in QUIZZES for q in load_quiz(path.stem)}
+    places = {[a.right for a in q.answers].index(True) for path in QUIZZES for q in read_quiz(path.stem)}
     assert len(places) > 1
 
 
@@ -45,11 +45,11 @@ def test_questions_are_printed_outside_a_notebook(capsys: pytest.CaptureFixture[
     quiz("week01")
     printed = capsys.readouterr().out
     assert printed.startswith("1. ")
-    assert all(f"( ) {a.text}" in printed for q in load_quiz("week01") for a in q.answers)
+    assert all(f"( ) {a.text}" in printed for q in read_quiz("week01") for a in q.answers)
 
 
 def test_clicking_any_answer_shows_its_explanation() -> None:
-    questions = load_quiz("week01")
+    questions = read_quiz("week01")
     for question, box in zip(questions, _quiz_form("week01", questions).widget.children, strict=True):
         _, choice, said = box.children
         for number, answer in enumerate(question.answers):
@@ -68,7 +68,7 @@ def test_answer_is_stored_and_shown_on_pages_without_a_kernel(
 ) -> None:
     (tmp_path / ".course").mkdir()
     monkeypatch.chdir(tmp_path)
-    questions = load_quiz("week01")
+    questions = read_quiz("week01")
     right = questions[1].right
     form, calls = _quiz_form("week01", questions), []
     form.on_answer.append(lambda: calls.append(1))
@@ -80,7 +80,7 @@ def test_answer_is_stored_and_shown_on_pages_without_a_kernel(
         assert html.count("◉") == 1
         assert escape(verdict(right)) in html
         assert f"(x) {right.text}" in text
-    assert "◉" not in _quiz_form("week02", load_quiz("week02")).saved()[0]
+    assert "◉" not in _quiz_form("week02", read_quiz("week02")).saved()[0]
     others = tuple(Answer(f"new {one.text}", one.reason, one.right) for one in questions[1].answers)
     changed = (questions[0], Question(questions[1].text, others))
     assert "◉" not in _quiz_form("week01", changed).saved()[0]
@@ -91,7 +91,7 @@ def test_questions_without_an_answer_state_how_to_answer_on_pages_without_a_kern
 ) -> None:
     (tmp_path / ".course").mkdir()
     monkeypatch.chdir(tmp_path)
-    questions = load_quiz("week01_recall")
+    questions = read_quiz("week01_recall")
     form = _quiz_form("week01_recall", questions)
     for number, question in enumerate(questions):
         assert all(HOW_TO_ANSWER in part for part in form.saved())

@@ -195,7 +195,7 @@ def test_wheel_of_the_release_creates_a_student_folder(out: Path, tmp_path: Path
     code = (
         "from pathlib import Path; from course_lib.course import questions, state, student_folder\n"
         "print(state.PACKAGE); print(*student_folder.prepare(Path('mine')).added)\n"
-        "questions.load_quiz('week01')"
+        "questions.read_quiz('week01')"
     )
     environment = os.environ | {"PYTHONPATH": str(tmp_path / "site")}
     command = [sys.executable, "-c", code]

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from course_lib.course import progress
 from course_lib.course.course_file import shipped_course_file
-from course_lib.course.progress import _due, contents_page, load_weeks
+from course_lib.course.progress import _due, contents_page, read_weeks
 from course_lib.course.state import State
 from course_lib.errors import CourseError
 
@@ -28,7 +28,7 @@ def printed(folder: Path) -> str:
 
 
 def finish(state: State, name: str) -> None:
-    week = next(week for week in load_weeks() if week.name == name)
+    week = next(week for week in read_weeks() if week.name == name)
     for task, points in week.settings.points.items():
         state.put("progress", f"{name}.{task}", {"score": points, "of": points})
 
@@ -50,7 +50,7 @@ def test_passed_tasks_are_counted_and_submitting_is_the_next_step(state: State, 
 
 
 def test_status_reports_when_everything_is_packed(state: State, tmp_path: Path) -> None:
-    for week in load_weeks():
+    for week in read_weeks():
         finish(state, week.name)
         state.put("packed", f"{week.name}_exercise", "2027-03-01T10:00:00+00:00")
     assert "All exercises are done and packed." in printed(tmp_path)
@@ -81,4 +81,4 @@ def test_faulty_week_table_makes_only_its_deadline_unknown(
 def test_status_outside_a_folder_prints_the_command_to_use(tmp_path: Path) -> None:
     with pytest.raises(CourseError, match="run course lab first"):
         progress.status(tmp_path)
-    assert progress.progress(load_weeks()[0], State(None)).task_count == ""
+    assert progress.progress(read_weeks()[0], State(None)).task_count == ""

@@ -11,7 +11,7 @@ import pytest
 from course_lib.authoring.rules import code_of, names_in_answers, page_flaws
 from course_lib.authoring.verify import weeks_of
 from course_lib.course.exercise import read_notebook, source
-from course_lib.course.questions import load_quiz
+from course_lib.course.questions import read_quiz
 from course_lib.course.state import exercises_dir, lessons_dir, solutions_dir
 from course_lib.grading.store import this_course
 
@@ -53,7 +53,7 @@ def test_every_part_of_the_original_tutorials_is_covered_by_its_keywords(part: d
 
 
 def test_week_6_contains_the_ten_questions_of_its_tutorial() -> None:
-    assert len(load_quiz("week06")) == 10
+    assert len(read_quiz("week06")) == 10
 
 
 @pytest.mark.parametrize("path", SOLUTIONS, ids=lambda path: path.stem[:6])

@@ -1,20 +1,27 @@
-"""`course mark` for a single task, and for work without a file.
+"""`course mark` in a terminal: a single task, work without a file, and the reports after marks.
 
-Marks appear in gradebook, index and report.
+Marks appear in gradebook, index and report. The page for marking (`server.py`) runs this module in
+a process of its own, which updates them.
 """
 
-from collections.abc import Collection
+import os
+import sys
+from collections.abc import Callable, Collection
+from contextlib import suppress
 from pathlib import Path
 
 from course_lib.course.course_file import POINTS_PER_WEEK, CourseFile
 from course_lib.course.exercise import normalise
-from course_lib.errors import CourseError, did_you_mean
+from course_lib.errors import CourseError, did_you_mean, format_count
 from course_lib.grading import store
-from course_lib.grading.marks import MarkEntry, add_marks, mark, read_result
+from course_lib.grading.marks import MarkEntry, add_marks, mark, read_result, require_results, stored_result
 from course_lib.grading.records import UNKNOWN, ReceiptTime, Result, Submission, TaskResult
 from course_lib.grading.reports.rendering import say
-from course_lib.grading.reports.report import report
+from course_lib.grading.reports.report import has_page, report
 from course_lib.grading.reports.tables import write_tables
+
+GENTLE = 10  # niceness of the process that writes reports
+Place = tuple[str, str]  # student and exercise
 
 
 def mark_by_hand(
@@ -126,6 +133,41 @@ def mark_without_file(
     return f"{student} {exercise}{new}: {stored_mark.points:g} without a file; now graded"
 
 
+def find_stale(out: Path) -> list[Place]:
+    """Return the students and exercises whose reports do not contain all graders' marks."""
+    files = sorted((out / "marks").glob("[!.]*/[!.]*.json"))
+    places = [(path.parent.name, path.stem) for path in files]
+    graded_places = [place for place in places if store.result_path(out, *place).is_file()]
+    return [place for place in graded_places if not has_page(stored_result(out, *place).result, out)]
+
+
+def follow_marks(
+    out: Path, course: store.Course | None = None, waiting: Callable[[str], None] | None = None
+) -> str:
+    """Write the tables and the reports without all graders' marks, and return a line for the terminal.
+
+    Args:
+        out: The folder that `course grade` wrote.
+        course: The course with the tasks; default: this checkout.
+        waiting: Called with a line of text before waiting for another process; None raises instead
+            of waiting.
+
+    Raises:
+        RecordsWriteError: The folder can't be written.
+        CourseError: The folder is in use, or a file in it is damaged.
+    """
+    require_results(out)
+    course = course or store.this_course()
+    with store.lock_folder(out, waiting), store.writing(out):
+        places, catalog = find_stale(out), store.catalog_of(course)
+        # The tables come first, because they matter more than the pages.
+        write_tables(out, catalog.course.zone)
+        for place in places:
+            report(stored_result(out, *place).result, out, catalog)
+    reports = format_count(len(places), "report")
+    return f"Wrote {reports}, {out / 'reports/index.html'} and {out / 'gradebook.csv'}"
+
+
 def _result_without_file(student: str, exercise: str) -> Result:
     """Return the result of a student who has not submitted a file."""
     nothing = Submission(
@@ -188,3 +230,18 @@ def _find_task(name: str, tasks: Collection[str], of: str) -> str:
         suggestion = did_you_mean(name, [*short, *tasks], 3) or f"; it has {', '.join(short) or 'none'}."
         raise CourseError(f"{of} has no task {name!r}{suggestion}")
     return task_id
+
+
+def main() -> None:
+    """Update once. The program's arguments are the folders of records, exercises and solutions."""
+    out, exercises, solutions = map(Path, sys.argv[1:])
+    with suppress(OSError):
+        os.nice(GENTLE)
+    try:
+        follow_marks(out, store.Course(exercises, solutions))
+    except CourseError as error:
+        sys.exit(str(error))
+
+
+if __name__ == "__main__":
+    main()

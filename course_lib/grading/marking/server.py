@@ -25,16 +25,16 @@ from pygments.token import Token
 from tornado.httpserver import HTTPServer
 from tornado.web import Application, HTTPError, RequestHandler
 
-from course_lib.errors import CourseError, format_count
+from course_lib.errors import CourseError
 from course_lib.files import write_atomically
 from course_lib.grading import store
+from course_lib.grading.marking import by_hand
 from course_lib.grading.marking.marking_queue import MarkingQueue
 from course_lib.grading.marks import MarkEntry, MarksConflictError, require_results, stored_result
-from course_lib.grading.records import Result, Submission
+from course_lib.grading.records import Submission
 from course_lib.grading.reports.rendering import fill, printable, strip_control_characters
-from course_lib.grading.reports.report import has_page, report, section_of
+from course_lib.grading.reports.report import section_of
 from course_lib.grading.reports.scenes import shared_script
-from course_lib.grading.reports.tables import write_tables
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.submissions.notebook import parse_notebook
 from course_lib.grading.submissions.submission import content_hash, graded_file, unpack
@@ -44,51 +44,10 @@ from course_lib.third_party import read_json
 from course_lib.viewer.page_server import Guarded, open_sockets
 
 PAUSE = 3.0  # [s] to wait for further marks before reports are written
-GENTLE = 10  # niceness of the process that writes reports
-Place = tuple[str, str]  # student and exercise
-
-
-def find_stale(out: Path) -> list[Place]:
-    """Return the students and exercises whose reports do not contain all graders' marks."""
-    files = sorted((out / "marks").glob("[!.]*/[!.]*.json"))
-    places = [(path.parent.name, path.stem) for path in files]
-    graded_places = [place for place in places if store.result_path(out, *place).is_file()]
-    return [place for place in graded_places if not has_page(_result(out, place), out)]
-
-
-def follow_marks(
-    out: Path, course: store.Course | None = None, waiting: Callable[[str], None] | None = None
-) -> str:
-    """Write the tables and the reports without all graders' marks, and return a line for the terminal.
-
-    Args:
-        out: The folder that `course grade` wrote.
-        course: The course with the tasks; default: this checkout.
-        waiting: Called with a line of text before waiting for another process; None raises instead
-            of waiting.
-
-    Raises:
-        RecordsWriteError: The folder can't be written.
-        CourseError: The folder is in use, or a file in it is damaged.
-    """
-    require_results(out)
-    course = course or store.this_course()
-    with store.lock_folder(out, waiting), store.writing(out):
-        places, catalog = find_stale(out), store.catalog_of(course)
-        # The tables come first, because they matter more than the pages.
-        write_tables(out, catalog.course.zone)
-        for place in places:
-            report(_result(out, place), out, catalog)
-    reports = format_count(len(places), "report")
-    return f"Wrote {reports}, {out / 'reports/index.html'} and {out / 'gradebook.csv'}"
-
-
-def _result(out: Path, place: Place) -> Result:
-    return stored_result(out, *place).result
 
 
 class Follower:
-    """Starts a process that calls `follow_marks` soon after marks were saved.
+    """Starts a process that calls `by_hand.follow_marks` soon after marks were saved.
 
     A separate process is needed because drawing scenes takes seconds, and because time limits work
     in a main thread only.
@@ -119,7 +78,7 @@ class Follower:
     async def _update(self) -> str:
         """Run one update, and return its error message, or ""."""
         process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-P", "-m", __name__, *self._arguments),
+            *(sys.executable, "-P", "-m", by_hand.__name__, *self._arguments),
             stdout=asyncio.subprocess.DEVNULL,
             stderr=asyncio.subprocess.PIPE,
             start_new_session=True,  # Ctrl+C must reach the server only, which waits for this process
@@ -131,21 +90,6 @@ class Follower:
             raise
         lines = output.decode("utf-8", "replace").strip().splitlines()
         return "" if process.returncode == 0 else printable(lines[-1] if lines else "it was ended")
-
-
-def main() -> None:
-    """Update once. The program's arguments are the folders of records, exercises and solutions."""
-    out, exercises, solutions = map(Path, sys.argv[1:])
-    with suppress(OSError):
-        os.nice(GENTLE)
-    try:
-        follow_marks(out, store.Course(exercises, solutions))
-    except CourseError as error:
-        sys.exit(str(error))
-
-
-if __name__ == "__main__":
-    main()
 
 
 MAX_NAME = 80  # characters
@@ -162,7 +106,7 @@ class SaveRequest:
     given: tuple[MarkEntry, ...]
 
 
-def read_save(body: bytes) -> SaveRequest:
+def decode_save(body: bytes) -> SaveRequest:
     """Decode a request to save marks.
 
     Raises:
@@ -174,7 +118,7 @@ def read_save(body: bytes) -> SaveRequest:
         raise CourseError("the page sent invalid JSON: reload it") from error
     match content:
         case {"by": str(by), "revision": str(revision), "marks": [_, *_] as marks} if len(marks) <= MAX_MARKS:
-            return SaveRequest(read_name(by), revision, tuple(map(_decode_mark, marks)))
+            return SaveRequest(clean_name(by), revision, tuple(map(_decode_mark, marks)))
     raise CourseError('the page sent no marks: expected {"by": …, "revision": …, "marks": [one or more]}')
 
 
@@ -192,7 +136,7 @@ def _decode_mark(content: Any) -> MarkEntry:
     raise CourseError(f"the page sent {content!r:.80}: expected row, points and comment")
 
 
-def read_name(text: str) -> str:
+def clean_name(text: str) -> str:
     """Return a grader's name on one line, or the name of the machine's user if it is empty."""
     return " ".join(_clean(text).split())[:MAX_NAME] or user_name()
 
@@ -291,10 +235,10 @@ class PageFileHandler(_MarkingHandler):
 
 
 class _JsonHandler(_MarkingHandler):
-    async def answer(self, call: Callable[..., Any], *args: Any) -> None:
+    async def answer(self, call: Callable[[], Any]) -> None:
         """Call a function in a thread, and respond with its plain data or its error message."""
         try:
-            content, code = await asyncio.get_running_loop().run_in_executor(None, call, *args), 200
+            content, code = await asyncio.get_running_loop().run_in_executor(None, call), 200
         except MarksConflictError as error:
             content, code = {"error": str(error)}, 409
         except store.RecordsWriteError as error:
@@ -308,7 +252,7 @@ class _JsonHandler(_MarkingHandler):
     def open_items(self, key: str | None = None) -> dict[str, str]:
         """Return the items that other pages have open, and record the item that this page opens."""
         page, person = self.get_query_argument("page", "")[:40], self.get_query_argument("by", "")
-        return self.desk.queue.set_open_item(page, read_name(person), key) if page else {}
+        return self.desk.queue.set_open_item(page, clean_name(person), key) if page else {}
 
 
 class QueueHandler(_JsonHandler):
@@ -316,14 +260,15 @@ class QueueHandler(_JsonHandler):
 
     async def get(self, _: str) -> None:
         """Respond with the changed items, and the items that graders have open."""
-        await self.answer(self._changes)
 
-    def _changes(self) -> dict[str, Any]:
-        text = self.get_query_argument("since", "0")
-        if not text.isdecimal() or len(text) > 12:
-            raise CourseError(f"{text!r:.40} is not the number of a change")
-        changes = self.desk.queue.changes_since(int(text))
-        return changes | {"others": self.open_items(), "state": self.desk.follower.state}
+        def changes() -> dict[str, Any]:
+            text = self.get_query_argument("since", "0")
+            if not text.isdecimal() or len(text) > 12:
+                raise CourseError(f"{text!r:.40} is not the number of a change")
+            others, state = self.open_items(), self.desk.follower.state
+            return self.desk.queue.changes_since(int(text)) | {"others": others, "state": state}
+
+        await self.answer(changes)
 
 
 class ItemHandler(_JsonHandler):
@@ -331,10 +276,7 @@ class ItemHandler(_JsonHandler):
 
     async def get(self, _: str, key: str) -> None:
         """Respond with the item's code, rubric and marks, and record it as open in this page."""
-        await self.answer(self._details, key)
-
-    def _details(self, key: str) -> dict[str, Any]:
-        return self.desk.details(key) | {"others": self.open_items(key)}
+        await self.answer(lambda: self.desk.details(key) | {"others": self.open_items(key)})
 
     async def post(self, _: str, key: str) -> None:
         """Save marks, and respond when they are on the disk."""
@@ -342,14 +284,15 @@ class ItemHandler(_JsonHandler):
             raise HTTPError(403, reason="Only the page itself saves marks")
         if self.request.headers.get("Content-Type", "").split(";")[0] != "application/json":
             raise HTTPError(415)
-        await self.answer(self._save, key)
+
+        def save() -> dict[str, Any]:
+            request = decode_save(self.request.body)
+            self.desk.queue.save(key, request.given, request.by, request.revision)
+            return self.desk.queue.details(key)
+
+        await self.answer(save)
         if self.get_status() == 200:
             self.desk.follower.schedule_update()
-
-    def _save(self, key: str) -> dict[str, Any]:
-        save = read_save(self.request.body)
-        self.desk.queue.save(key, save.given, save.by, save.revision)
-        return self.desk.queue.details(key)
 
 
 class _SceneFileHandler(_MarkingHandler):
@@ -436,7 +379,7 @@ def serve(
     finally:
         (out / ADDRESS).unlink(missing_ok=True)
     _print_line("\nThe server has stopped. Updating reports …")
-    _print_line(follow_marks(out, course, _print_line))
+    _print_line(by_hand.follow_marks(out, course, _print_line))
 
 
 async def _serve(out: Path, port: int | None, browser: bool, course: store.Course) -> None:
@@ -448,7 +391,7 @@ async def _serve(out: Path, port: int | None, browser: bool, course: store.Cours
     server = HTTPServer(application, max_body_size=MAX_BODY, max_buffer_size=2 * MAX_BODY)
     server.add_sockets(sockets)
     _announce(desk, browser)
-    if find_stale(out):
+    if by_hand.find_stale(out):
         follower.schedule_update()
     await follower.run()
 

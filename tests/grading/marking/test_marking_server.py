@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.grading.marking.by_hand import mark_by_hand
-from course_lib.grading.marking.server import ADDRESS, find_stale, serve
+from course_lib.grading.marking.by_hand import find_stale, mark_by_hand
+from course_lib.grading.marking.server import ADDRESS, serve
 from course_lib.grading.marks import read_marks
 from course_lib.grading.store import Course, marks_path, report_path
 from tests.browser.waiting import wait_until

@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.grading.marking.by_hand import mark_by_hand
+from course_lib.grading.marking.by_hand import find_stale, follow_marks, mark_by_hand
 from course_lib.grading.marking.marking_queue import MarkingQueue
-from course_lib.grading.marking.server import find_stale, follow_marks
 from course_lib.grading.marks import MarkEntry, MarksConflictError, read_marks, results_in
 from course_lib.grading.store import Course, lock_folder, marks_path, report_path
 from tests.grading.marking.bench import ESSAY, MOTTO
