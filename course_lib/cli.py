@@ -806,6 +806,10 @@ def ros(
     from course_lib.real import environment
 
     if installs:
+        from course_lib.ros.time.interrupts import exit_at_signals
+
+        # Without this, pip would continue after the terminal was closed.
+        exit_at_signals()
         environment.install(typer.echo)
     else:
         installed = environment.find_environment()

@@ -32,6 +32,35 @@ NEEDED_BYTES = 300 * 10**6
 WITHOUT_FOLDER = ("ros-jazzy-", "ros-wheels-")
 INSTALL = "course ros --install"
 _PIN = re.compile(r"^(ros-[\w-]+)==([\w.]+)$", re.MULTILINE)
+_OTHER_FOLDER = "Set XDG_DATA_HOME to a folder that you may write"
+_FULL_DISK = "a disk or your quota is full, where the files are installed or in TMPDIR. Remove files there"
+# What to do about lines of venv and pip. The first pattern that matches one of their lines counts.
+_CAUSES = tuple(
+    (re.compile(pattern), advice)
+    for pattern, advice in (
+        *((re.escape(os.strerror(number)), _FULL_DISK) for number in (errno.ENOSPC, errno.EDQUOT)),
+        *((re.escape(os.strerror(number)), _OTHER_FOLDER) for number in (errno.EACCES, errno.EROFS)),
+        (
+            "DO NOT MATCH THE HASHES",
+            "a wheel was changed on its way, or pip's cache is damaged. Run `pip cache purge`",
+        ),
+        (
+            "certificate verify failed",
+            "your network replaces the certificate of the package index. Ask its administrators for "
+            "their certificate, then run `pip config set global.cert FILE`",
+        ),
+        ("ProxyError", "your proxy rejects the connection. Check HTTPS_PROXY and `pip config list`"),
+        (
+            "connection broken by|timed out",
+            "pip does not reach the package index. Check that this computer is online",
+        ),
+        (
+            "No matching distribution found",
+            "the package index does not have this wheel. If your network has a login page, log in with "
+            "a browser. `pip config list` shows whether pip uses another index",
+        ),
+    )
+)
 # Variables of a sourced ROS, or of the user's settings for DDS, which would change the programs'
 # behavior.
 REMOVED_VARIABLES = (
@@ -78,8 +107,15 @@ class RealEnvironment:
         """The Python packages in the environment."""
         return [path.name for path in self._packages_folder.iterdir()] if self._packages_folder else []
 
+    @property
+    def incomplete_mark(self) -> Path:
+        """The file next to the folder that exists while the folder is created or removed."""
+        return self.folder.with_name(f"{self.folder.name}.incomplete")
+
     def problem(self) -> str:
         """Return the first pinned package that is missing, damaged or has a different version, or ""."""
+        if self.incomplete_mark.exists():
+            return "its installation has not ended"
         for name, version in pins().items():
             installed = self.versions.get(name)
             if installed != version:
@@ -121,7 +157,9 @@ def default_folder() -> Path:
         CourseError: The user has no home folder.
     """
     try:
-        data = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share")
+        data = Path(os.environ.get("XDG_DATA_HOME", ""))
+        # The specification of XDG ignores a relative path, which would depend on the working folder.
+        data = data if data.is_absolute() else Path.home() / ".local" / "share"
     except RuntimeError as error:
         raise CourseError(
             "you have no home folder on this machine, where the real ROS 2 would be installed. Set "
@@ -165,52 +203,59 @@ def install(report: Callable[[str], None]) -> RealEnvironment:
     folder = default_folder()
     environment = RealEnvironment(folder / "bin" / "python")
     if not environment.python.exists() or environment.problem():
-        with _only_installer(folder):
-            _check_disk(folder)
-            report(f"Installing the real ROS 2 into {folder}: {SIZE}, up to a minute.")
+        with _only_installer(environment) as lock:
             try:
-                _create(folder)
+                _check_disk(folder)
+                report(f"Installing the real ROS 2 into {folder}: {SIZE}, up to a minute.")
+                _create(folder, lock)
+                environment.incomplete_mark.unlink()
+                environment = RealEnvironment(environment.python)
+                if problem := environment.problem():
+                    raise CourseError(
+                        f"pip did not install the tested ROS 2: {problem}. Does `pip config list` show "
+                        "another package index, or a target folder? Remove it, then repeat the command."
+                    )
             except BaseException:
-                # An incomplete environment must not be mistaken for a complete one, even after
-                # Ctrl+C.
                 shutil.rmtree(folder, ignore_errors=True)
+                environment.incomplete_mark.unlink(missing_ok=True)
                 raise
-            environment = RealEnvironment(folder / "bin" / "python")
-            if problem := environment.problem():
-                shutil.rmtree(folder, ignore_errors=True)
-                raise CourseError(f"pip installed {problem}. Is another package index configured?")
     report(f"{environment} is in {folder}.")
     return environment
 
 
 @contextmanager
-def _only_installer(folder: Path) -> Iterator[None]:
-    """Lock the parent of a folder against other installations, until the block or the process ends.
+def _only_installer(environment: RealEnvironment) -> Iterator[int]:
+    """Mark an environment as incomplete, and lock its parent folder against other installations.
+
+    The lock ends with the block or, if this process is killed, with the last process that has
+    inherited its file descriptor, which the block receives.
 
     Raises:
-        CourseError: The parent cannot be created, or another process installs.
+        CourseError: The parent cannot be written, or another process installs.
     """
     # Windows, for which there are no wheels, does not have this module.
     import fcntl
 
-    parent = folder.parent
+    parent, lock = environment.folder.parent, -1
     try:
         parent.mkdir(parents=True, exist_ok=True)
         lock = os.open(parent, os.O_RDONLY)
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        environment.incomplete_mark.touch()
     except OSError as error:
+        if lock >= 0:
+            os.close(lock)
+        if isinstance(error, BlockingIOError):
+            raise CourseError(
+                f"Another `{INSTALL}` is installing into {environment.folder}. Wait until it has "
+                "ended, then repeat the command."
+            ) from error
         raise CourseError(
-            f"The real ROS 2 cannot be installed in {parent}: {error.strerror}. Set XDG_DATA_HOME to "
-            "a folder that you may write, then repeat the command."
+            f"The real ROS 2 cannot be installed in {parent}: {error.strerror}. {_OTHER_FOLDER}, then "
+            "repeat the command."
         ) from error
     try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError as error:
-        raise CourseError(
-            f"Another `{INSTALL}` is installing into {folder}. Wait until it has ended, then repeat "
-            "the command."
-        ) from error
-    else:
-        yield
+        yield lock
     finally:
         os.close(lock)
 
@@ -232,21 +277,33 @@ def _check_disk(folder: Path) -> None:
         )
 
 
-def _create(folder: Path) -> None:
-    venv = [sys.executable, "-P", "-m", "venv", str(folder)]
-    _run(venv, "Python's venv fails; on Debian: apt install python3-venv")
-    pip = [str(folder / "bin" / "python"), "-P", "-m", "pip", "install", "--quiet", "--no-deps"]
-    options = ["--only-binary", ":all:", "--disable-pip-version-check", "--requirement", str(REQUIREMENTS)]
-    _run([*pip, *options], "pip cannot install the wheels; is this computer online?")
+def _create(folder: Path, lock: int) -> None:
+    """Create the environment. Its processes inherit the lock, as they may outlive this process.
 
-
-def _run(command: list[str], problem: str) -> None:
-    process = subprocess.run(command, capture_output=True, text=True, env=clean_variables(), check=False)
-    if process.returncode:
-        lines = [line for line in (process.stderr or process.stdout).splitlines() if line.strip()]
-        if any(os.strerror(errno.ENOSPC) in line for line in lines):
-            problem = "a disk is full, where the files are installed or in TMPDIR"
-        raise CourseError(f"{problem} ({lines[-1].strip() if lines else f'exit code {process.returncode}'})")
+    Raises:
+        CourseError: A process fails. The error states the cause and what to do.
+    """
+    python = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    venv = f"{python} cannot create a virtual environment. On Debian and Ubuntu: apt install {python}-venv"
+    # A `user = true` of pip's settings is an error in an environment.
+    pip = ["pip", "install", "--no-user", "--quiet", "--no-deps", "--only-binary", ":all:"]
+    pip += ["--disable-pip-version-check", "--requirement", str(REQUIREMENTS)]
+    for command, advice in (
+        ([sys.executable, "-P", "-m", "venv", str(folder)], venv),
+        ([str(folder / "bin" / "python"), "-P", "-m", *pip], "pip cannot install the wheels"),
+    ):
+        process = subprocess.run(
+            command, capture_output=True, text=True, env=clean_variables(), check=False, pass_fds=(lock,)
+        )
+        if process.returncode:
+            lines = [line.strip() for line in (process.stderr or process.stdout).splitlines() if line.strip()]
+            line = lines[-1] if lines else f"exit code {process.returncode}"
+            for pattern, cause in _CAUSES:
+                if found := [line for line in lines if pattern.search(line)]:
+                    # pip reports each attempt to connect; the reason is at the end of the line.
+                    line, advice = found[-1].rpartition("connection broken by ")[2], cause
+                    break
+            raise CourseError(f"{advice}, then repeat the command. The cause: {line}")
 
 
 def clean_variables() -> dict[str, str]:
