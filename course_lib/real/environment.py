@@ -57,7 +57,7 @@ _CAUSES = tuple(
         (
             "No matching distribution found",
             "the package index does not have this wheel. If your network has a login page, log in with "
-            "a browser. `pip config list` shows whether pip uses another index",
+            "a browser. If `pip config list` shows another index, remove it",
         ),
     )
 )

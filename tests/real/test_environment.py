@@ -14,6 +14,7 @@ from course_lib.errors import CourseError
 from course_lib.real import environment
 from course_lib.real.environment import find_environment, install, pins
 from tests.patience import PATIENCE
+from tests.processes import Program
 
 
 def make_environment(folder: Path, versions: dict[str, str]) -> Path:
@@ -174,7 +175,7 @@ def test_killed_installation_is_not_used_and_its_pip_is_awaited(
     )
     root = str(Path(environment.__file__).parents[2])
     monkeypatch.setenv("PYTHONPATH", root)
-    with subprocess.Popen([sys.executable, str(killed)], stdin=subprocess.PIPE, cwd=root) as process:
+    with Program([sys.executable, killed], stdin=subprocess.PIPE, cwd=root) as process:
         assert process.wait(60) == -signal.SIGKILL
         with pytest.raises(CourseError, match="its installation has not ended"):
             find_environment()
