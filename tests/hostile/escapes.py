@@ -56,7 +56,9 @@ if os.fork() == 0:
           "os.mkfifo('pipe'); os.mknod('block', 0o60600, os.makedev(254, 0)); open('block', 'rb').read(1)"),
     # Pages of such memory belong to no process once they are unmapped, and no limit would count
     # them.
-    tries("memory_of_nobody", "import mmap; mmap.mmap(-1, 4096)", "open('/dev/zero', 'rb')"),
+    tries("memory_of_nobody", "import mmap; mmap.mmap(-1, 4096)", "open('/dev/zero', 'rb')",
+          *(f"socket.socketpair()[{end}].setsockopt(socket.SOL_SOCKET, {option}, 2**22)"
+            for end in (0, 1) for option in (7, 8, 32, 33))),
     tries("network_by_libraries",
           "import urllib.request as r; r.urlopen('http://127.0.0.1:' + PORT, timeout=1)",
           "import http.client as h; h.HTTPConnection('127.0.0.1', int(PORT), timeout=1).request('GET', '/')",
