@@ -38,8 +38,12 @@ def read_cells(file: Path) -> list[Cell]:
         CourseError: The file cannot be read, or is not a notebook.
     """
     if file.suffix == ".ipynb":
-        cells = (_cell(number, cell) for number, cell in code_cells(read_notebook(file)))
-        return [part for cell in cells for part in _with_modules(cell, file.parent)]
+        cells: list[Cell] = []
+        for number, cell in code_cells(read_notebook(file)):
+            code, tags = source(cell), cell.get("metadata", {}).get("tags", ())
+            is_marked = bool(_MARK.match(code)) or "export" in tags
+            cells += _with_modules(Cell(number, without_magics(code), is_marked), file.parent)
+        return cells
     return [Cell(1, _text(file), is_marked=True)]
 
 
@@ -67,11 +71,6 @@ def _with_modules(cell: Cell, folder: Path) -> Iterator[Cell]:
     yield Cell(cell.number, "\n".join(lines), cell.is_marked)
 
 
-def _cell(number: int, cell: dict[str, Any]) -> Cell:
-    code, tags = source(cell), cell.get("metadata", {}).get("tags", ())
-    return Cell(number, without_magics(code), bool(_MARK.match(code)) or "export" in tags)
-
-
 def without_magics(source: str) -> str:
     """Convert a cell to Python: its magics become calls, and its mark for export is removed."""
     from IPython.core.inputtransformer2 import TransformerManager
@@ -87,7 +86,7 @@ class Statement:
     Attributes:
         order: Its index among all statements.
         text: Its source, with the comments above it. Imports have a single name.
-        gives: The names that it binds.
+        bindings: The names that it binds.
         changes: The names of objects that it mutates, as in `COLORS["car"] = RED`.
         now: The names that it needs when it runs.
         later: The names that its functions need when they are called.
@@ -205,15 +204,15 @@ def _required_names(text: str) -> tuple[frozenset[str], frozenset[str]]:
     """Return the names that code requires when it runs, and when its functions are called."""
     now, later = set[str](), set[str]()
 
-    def look(table: symtable.SymbolTable, names: set[str]) -> None:
+    def collect(table: symtable.SymbolTable, names: set[str]) -> None:
         top = table.get_type() == "module"
         names |= {s.get_name() for s in table.get_symbols() if s.is_referenced() and (top or s.is_global())}
         for child in table.get_children():
             # Classes and comprehensions run immediately, unlike functions.
             is_immediate = child.get_type() == "class" or child.get_name() == "genexpr"
-            look(child, names if is_immediate else later)
+            collect(child, names if is_immediate else later)
 
-    look(parse_scopes(text), now)
+    collect(parse_scopes(text), now)
     return frozenset(now), frozenset(later)
 
 
@@ -278,7 +277,7 @@ class Main(Enum):
     """The origin of a module's function `main`."""
 
     OWN = "the exported code"
-    MADE = "the template"
+    TEMPLATE = "the template"
     NONE = "nowhere: the module is not an executable"
 
 
@@ -311,7 +310,7 @@ class NodeModule:
         """Return the source of the module."""
         imports = {part.text for part in self.statements if part.is_import}
         body = [(part.node, part.text) for part in self.statements if not part.is_import]
-        if self.main is Main.MADE:
+        if self.main is Main.TEMPLATE:
             imports |= set(_MAIN_IMPORTS)
             main = _MAIN.format(name=self.class_name)
             body.append((ast.parse(main).body[0], main))
@@ -373,15 +372,8 @@ class NodeModule:
         heirs = [other.class_name for other in modules if self.class_name in _direct_bases(other.node)]
         if heirs and not named:
             return f"is the base of {', '.join(heirs)}"
-        constructors = (
-            item
-            for cls in _family(self.node, classes)
-            for item in cls.body
-            if isinstance(item, ast.FunctionDef) and item.name == "__init__"
-        )
-        free = next(map(_required_arguments, constructors), [])
-        if free:
-            return f"needs {', '.join(free)}"
+        if arguments := _required_arguments(self.node, classes):
+            return f"needs {', '.join(arguments)}"
         methods = (item for item in self.node.body if isinstance(item, ast.FunctionDef))
         abstract = [
             method.name
@@ -473,7 +465,7 @@ def _module(
         (s for s in reversed(exported) if "main" in s.bindings and s.later & classes == root.bindings), None
     )
     if main is None:
-        return NodeModule(root.node, parts, Main.MADE)
+        return NodeModule(root.node, parts, Main.TEMPLATE)
     of_main = collect_needed_statements(main, exported, left_out)
     parts = sorted({s.order: s for s in (*parts, *of_main)}.values(), key=lambda s: s.order)
     return NodeModule(root.node, parts, Main.OWN)
@@ -580,24 +572,24 @@ def _direct_bases(node: ast.ClassDef) -> list[str]:
     return [base.id for base in node.bases if isinstance(base, ast.Name) and base.id != node.name]
 
 
-def _family(node: ast.ClassDef, classes: Mapping[str, ast.ClassDef]) -> list[ast.ClassDef]:
-    """Return a class and its direct and indirect bases among `classes`, nearest first."""
+def _required_arguments(node: ast.ClassDef, classes: Mapping[str, ast.ClassDef]) -> list[str]:
+    """Return the arguments without a default, except `self`, with which a class is constructed.
+
+    The constructor is its own, or that of the nearest direct or indirect base among `classes`.
+    """
     family, to_do = [node], _direct_bases(node)
     while to_do:
         base = classes.get(to_do.pop(0))
         if base is not None and base not in family:
             family.append(base)
             to_do += _direct_bases(base)
-    return family
-
-
-def _required_arguments(function: ast.FunctionDef) -> list[str]:
-    """Return the arguments of a method that have no default, without `self`."""
-    arguments = function.args
-    positional = [*arguments.posonlyargs, *arguments.args][1:]
-    free = positional[: len(positional) - len(arguments.defaults)]
-    pairs = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
-    return [a.arg for a in (*free, *(a for a, default in pairs if default is None))]
+    for item in (item for cls in family for item in cls.body):
+        if isinstance(item, ast.FunctionDef) and item.name == "__init__":
+            positional = [*item.args.posonlyargs, *item.args.args][1:]
+            free = positional[: len(positional) - len(item.args.defaults)]
+            pairs = zip(item.args.kwonlyargs, item.args.kw_defaults, strict=True)
+            return [a.arg for a in (*free, *(a for a, default in pairs if default is None))]
+    return []
 
 
 def _literal(node: ast.expr) -> Any:

@@ -77,7 +77,7 @@ def test_rqt_view_on_a_page_without_widgets_is_accessible(
     one_page.emulate_media(color_scheme=scheme)
     one_page.set_content(
         f"<!doctype html><style>:root {{ color-scheme: light dark }} main "
-        f"{{ background: #ced6dd }}</style><main>{view.static()}</main>"
+        f"{{ background: #ced6dd }}</style><main>{view.static_html()}</main>"
     )
     assert faults(one_page, "main") == []
     one_page.emulate_media(color_scheme=None)

@@ -24,7 +24,7 @@ from course_lib.ros.messages import RosMessage
 from course_lib.ros.messages.conversions import PrintOptions, to_csv, to_yaml
 from course_lib.ros.messages.definitions import PRIMITIVES, definition
 from course_lib.ros.time import wall
-from course_lib.tools.rqt.view import RqtView, chart, colour_of, drawing, icon, table, tag, text
+from course_lib.tools.rqt.view import RqtView, chart, color_of, drawing, icon, table, tag, text
 from course_lib.tools.sources import PLAYER
 from course_lib.tools.topic import format_byte_sizes
 
@@ -172,7 +172,7 @@ class TopicView(RqtView):
         button = ToggleButton(topic in self.words, description=topic, tooltip=f"Value of {topic}")
         button.layout.width = "210px"
         button.add_class("rqt-topic")
-        button.observe(lambda _: self.soon(self.refresh), "value")
+        button.observe(lambda _: self.run_soon(self.refresh), "value")
         line = HBox([button, HTML(layout={"flex": "1"})])
         line.add_class("rqt-row")
         return VBox([line, HTML(layout={"margin": "0 0 0 24px"})])
@@ -283,7 +283,7 @@ class RobotMonitorView(RqtView):
         bars = ""
         for number, (_, level) in enumerate(self._history):
             high = 6 * (1 + _LEVELS.index(level))
-            bars += tag("rect", x=9 * number, y=26 - high, width=7, height=high, fill=colour_of(level))
+            bars += tag("rect", x=9 * number, y=26 - high, width=7, height=high, fill=color_of(level))
         levels = ", ".join(level.upper() for _, level in self._history)
         return drawing(
             bars, 9 * _HISTORY, 28, f"The last {format_count(len(self._history), 'message')}: {levels}"
@@ -447,12 +447,12 @@ class PlotView(RqtView):
         figure = Figure(figsize=(7.2, 2.7 + below))
         margins = {"left": 0.1, "right": 0.98, "top": 0.97, "bottom": below / (2.7 + below)}
         axes = figure.subplots(gridspec_kw=margins)
-        for (name, (_, points)), (colour, dash) in zip(self.curves.items(), cycle(_LOOKS)):
+        for (name, (_, points)), (color, dash) in zip(self.curves.items(), cycle(_LOOKS)):
             shown_points = [*takewhile(lambda point: point[0] >= since, reversed(points))]
             label = f"{name} = {points[-1][1]:.4g}" if points else f"{name}: no message yet"
             look = {
                 "label": label,
-                "color": colour,
+                "color": color,
                 "linestyle": dash,
                 "rasterized": len(shown_points) > _LONG,
             }

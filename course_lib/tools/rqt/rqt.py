@@ -93,13 +93,13 @@ def _display_as_picture(view: RqtView) -> None:
     from IPython.core.getipython import get_ipython
     from IPython.display import HTML, display
 
-    before = view.static()
+    before = view.static_html()
     handle = display(HTML(before), display_id=True)
     shell: Any = get_ipython()
 
     def end(*_: object) -> None:
         shell.events.unregister("post_run_cell", end)
-        if (now := view.static()) != before:
+        if (now := view.static_html()) != before:
             handle.update(HTML(now))
         view.stop()
 

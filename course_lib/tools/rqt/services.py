@@ -116,7 +116,7 @@ class ReconfigureView(RqtView):
 
     def body(self) -> list[Any]:
         """Return the table, and fill it as soon as the page is displayed."""
-        self.soon(self._read)
+        self.run_soon(self._read)
         return [self.table]
 
     def required_topics(self) -> Collection[str]:
@@ -173,7 +173,7 @@ class ReconfigureView(RqtView):
 
         def act(change: dict[str, Any]) -> None:
             if not self._is_reading:
-                self.soon(lambda: self._set(name, change["new"]))
+                self.run_soon(lambda: self._set(name, change["new"]))
 
         control.observe(act, "value")
         return HBox([control, HTML(f"<span class='rqt-dim'>{escape(_note(about))}</span>"), HTML()])

@@ -31,13 +31,13 @@ _SIGNS = {
 
 def icon(sign: str) -> str:
     """Draw the icon of a level. The level must also be given as text next to it."""
-    colour, shape, line = _SIGNS[sign]
+    color, shape, line = _SIGNS[sign]
     stroke = tag("path", d=line, stroke="white", stroke_width=1.8, fill="none")
     box = {"class": "rqt-icon", "viewBox": "0 0 14 14", "aria_hidden": "true"}
-    return tag("svg", shape + stroke, width=14, height=14, fill=colour, **box)
+    return tag("svg", shape + stroke, width=14, height=14, fill=color, **box)
 
 
-def colour_of(sign: str) -> str:
+def color_of(sign: str) -> str:
     """Return the color of a level."""
     return _SIGNS[sign][0]
 
@@ -161,7 +161,7 @@ class RqtView:
         if control.has_trait("style"):
             control.style.description_width = "initial"
         act = action or self.refresh
-        control.observe(lambda _: None if self._is_updating_options else self.soon(act), "value")
+        control.observe(lambda _: None if self._is_updating_options else self.run_soon(act), "value")
         return control
 
     def add_check(
@@ -217,7 +217,7 @@ class RqtView:
             self.refresh()
 
         button = Button(description=name, icon=icon, tooltip=name, layout={"width": "auto"})
-        button.on_click(lambda _: self.soon(act))
+        button.on_click(lambda _: self.run_soon(act))
         return button
 
     def buttons(self) -> list[Any]:
@@ -287,7 +287,7 @@ class RqtView:
         data |= {"text/html": self._page(self.screen.value), "text/plain": text}
         display(data, raw=True)
 
-    def static(self) -> str:
+    def static_html(self) -> str:
         """Return the view as HTML for pages without widgets."""
         return self._page(self.picture())
 
@@ -300,7 +300,7 @@ class RqtView:
         """Show a line of text above the picture; "" removes it."""
         self.notice.value = f"<div role='status' class='rqt-notice'>{escape(text)}</div>" if text else ""
 
-    def soon(self, action: Callable[[], None]) -> None:
+    def run_soon(self, action: Callable[[], None]) -> None:
         """Run an action in the kernel's main thread, because messages of a page may arrive in another one."""
         if self._loop is None:
             self._act(action)
@@ -319,7 +319,7 @@ class RqtView:
 
     def _tick(self) -> None:
         """Draw the first change that is due. The last change is drawn later if no other follows."""
-        # Without a page, `static` draws once.
+        # Without a page, `static_html` draws once.
         if self._loop is None:
             return
         remaining = self._due - wall.monotonic()
