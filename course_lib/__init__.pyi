@@ -1,10 +1,10 @@
 from .controls import slider as slider
 from .course.exercise import ask_identity as ask_identity
 from .course.exercise import set_identity as set_identity
+from .course.material import check_versions as check_versions
 from .course.questions import compare as compare
 from .course.questions import predict as predict
 from .course.questions import quiz as quiz
-from .course.state import check_versions as check_versions
 from .displays.viewer import Viewer as Viewer
 from .errors import CourseError as CourseError
 from .gateway.robot import RobotProcess as RobotProcess

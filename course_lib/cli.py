@@ -372,7 +372,7 @@ def collect(
 ) -> None:
     """Sort the download of a learning platform into submissions; unsafe files are rejected one by one."""
     from course_lib.course.course_file import find_zone, shipped_course_file
-    from course_lib.course.state import reject_other_course
+    from course_lib.course.material import reject_other_course
     from course_lib.grading.submissions.collect import collect as sort
 
     reject_other_course()

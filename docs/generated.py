@@ -14,7 +14,7 @@ from PIL import Image
 from sphinx.application import Sphinx
 from sphinx.util.typing import stringify_annotation
 
-from course_lib.course.state import extras, lessons, material_root
+from course_lib.course.material import extras, lessons, material_root
 
 WEEK = re.compile(r"^\| (.+?) \| (.+?) \|.*<img src=\"docs/(.+?)\".* alt=\"(.+?)\"", re.MULTILINE)
 ARRAY = re.compile(

@@ -10,7 +10,7 @@ from typing import Any
 
 from course_lib.course.course_file import read_course_file
 from course_lib.course.exercise import Notebook, exercise_from, notebook_text
-from course_lib.course.state import DISTRIBUTION
+from course_lib.course.material import DISTRIBUTION
 from course_lib.errors import CourseError
 from course_lib.files import draft_folder, write_atomically
 from course_lib.grading.store import Course

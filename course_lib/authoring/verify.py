@@ -42,8 +42,8 @@ from course_lib.authoring.rehearsal import (
 from course_lib.authoring.rules import ASPECTS, EXTRAS, Flaw, input_flaws, misspelled_names, page_flaws
 from course_lib.course.course_file import read_course_file
 from course_lib.course.exercise import code_cells, exercise_from, notebook_text, read_notebook, source
+from course_lib.course.material import CHOICE, course_package, lessons_dir
 from course_lib.course.questions import read_questions
-from course_lib.course.state import CHOICE, course_package, lessons_dir
 from course_lib.errors import CourseError, did_you_mean, format_count, location_of
 from course_lib.files import write_atomically
 from course_lib.grading.executors import executors

@@ -20,8 +20,8 @@ from nbclient.exceptions import CellExecutionError, CellTimeoutError
 
 from course_lib.course.course_file import shipped_course_file
 from course_lib.course.exercise import notebook_text, read_notebook, source
+from course_lib.course.material import extras, lessons_dir, material_root
 from course_lib.course.questions import NO_PREDICTION
-from course_lib.course.state import extras, lessons_dir, material_root
 from course_lib.course.student_folder import prepare
 from course_lib.errors import CourseError
 from course_lib.files import draft_folder, write_atomically

@@ -11,7 +11,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 from zoneinfo import ZoneInfo, available_timezones
 
 from course_lib.course.exercise import normalise
-from course_lib.course.state import exercises_dir
+from course_lib.course.material import exercises_dir
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.third_party import NOT_UTF8, read_text
 

@@ -15,8 +15,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from course_lib.course.material import exercises_dir, solutions_dir
 from course_lib.course.questions import show
-from course_lib.course.state import exercises_dir, solutions_dir, student_state
+from course_lib.course.state import student_state
 from course_lib.errors import CourseError, did_you_mean, format_count
 from course_lib.files import write_atomically
 from course_lib.host import in_notebook

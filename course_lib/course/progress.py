@@ -10,16 +10,13 @@ from rich.table import Table
 
 from course_lib.course.course_file import CourseFile, WeekSettings, shipped_course_file
 from course_lib.course.exercise import Notebook, read_notebook, source
+from course_lib.course.material import exercises_dir, extras, lessons, reviews
 from course_lib.course.state import (
     PackedSubmission,
     State,
-    exercises_dir,
-    extras,
     find_student_folder,
     last_check,
     last_packed_submission,
-    lessons,
-    reviews,
 )
 from course_lib.course.student_folder import DEFAULT_FOLDER, content_hash
 from course_lib.errors import CourseError, format_count

@@ -8,7 +8,8 @@ from html import escape
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from course_lib.course.state import exercises_dir, student_state
+from course_lib.course.material import exercises_dir
+from course_lib.course.state import student_state
 from course_lib.errors import CourseError, did_you_mean, location_of
 from course_lib.host import in_notebook
 from course_lib.third_party import read_text

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from course_lib.course.course_file import read_course_file, shipped_course_file
 from course_lib.course.exercise import BEGIN, END, read_notebook, source, write_exercises
-from course_lib.course.state import PACKAGE, checkout_root, course_package, solutions_dir
+from course_lib.course.material import PACKAGE, checkout_root, course_package, solutions_dir
 from course_lib.course.student_folder import LESSONS, SOLUTIONS
 from course_lib.errors import CourseError
 from course_lib.files import draft_folder

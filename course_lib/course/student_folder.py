@@ -10,17 +10,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from course_lib.course.exercise import read_notebook, source, stamp_exercises
-from course_lib.course.state import (
+from course_lib.course.material import (
     ASSETS,
     PACKAGE,
-    STATE_FOLDER,
-    WRITTEN_FOLDER,
-    State,
     asset_files,
     course_package,
     exercises_dir,
     lessons_dir,
 )
+from course_lib.course.state import STATE_FOLDER, WRITTEN_FOLDER, State
 from course_lib.errors import CourseError
 from course_lib.files import write_atomically
 from course_lib.third_party import read_bytes

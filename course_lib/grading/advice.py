@@ -19,7 +19,7 @@ import numpy as np
 
 from course_lib.course.exercise import code_cells, read_notebook
 from course_lib.course.exercise import source as text_of
-from course_lib.course.state import exercises_dir, first_lesson
+from course_lib.course.material import exercises_dir, first_lesson
 from course_lib.errors import CourseError, format_count
 from course_lib.export.module import without_magics
 from course_lib.grading.caught_errors import CaughtErrors

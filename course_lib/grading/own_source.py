@@ -14,7 +14,7 @@ from typing import Any
 
 from course_lib.course.exercise import code_cells, read_notebook
 from course_lib.course.exercise import source as text_of
-from course_lib.course.state import exercises_dir
+from course_lib.course.material import exercises_dir
 from course_lib.errors import CourseError
 from course_lib.export.module import without_magics
 from course_lib.ros.tracebacks import is_own

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import course_lib
-from course_lib.course.state import exercises_dir, solutions_dir
+from course_lib.course.material import exercises_dir, solutions_dir
 from course_lib.errors import CourseError
 from course_lib.grading.task import Catalog, load_catalog
 

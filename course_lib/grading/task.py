@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from course_lib.course.course_file import CourseFile, read_course_file
-from course_lib.course.state import ASSETS, asset_files, exercises_dir
+from course_lib.course.material import ASSETS, asset_files, exercises_dir
 from course_lib.errors import CourseError, did_you_mean, location_of
 from course_lib.grading.evidence import Check
 from course_lib.ros.messages.definitions import add_package, field_definitions

@@ -6,7 +6,7 @@ import pytest
 
 from course_lib.authoring.rules import Flaw
 from course_lib.authoring.verify import WeekReport, run_lesson, verify
-from course_lib.course.state import lessons_dir
+from course_lib.course.material import lessons_dir
 from course_lib.grading.store import Course, this_course
 from tests.export.conftest import write_notebook
 

@@ -112,7 +112,7 @@ def test_course_of_the_current_folder_takes_precedence(project: Path, python: Pa
     other = new_course("Maps", project.parent)
     options = ("-q", "--no-deps", *BUILT_HERE)
     run(python, "-m", "pip", "install", *options, "-e", other, cwd=project.parent)
-    code = "from course_lib.course.state import exercises_dir; print(exercises_dir())"
+    code = "from course_lib.course.material import exercises_dir; print(exercises_dir())"
     assert run(python, "-c", code, cwd=other).strip() == str(other / "exercises")
     assert run(python, "-c", code, cwd=project).strip() == str(project / "exercises")
     assert "several courses are installed" in run(python, "-c", code, cwd=project.parent, code=1)

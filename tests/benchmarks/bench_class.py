@@ -20,7 +20,7 @@ import psutil
 
 from course_lib.arrays import Matrix
 from course_lib.course.exercise import read_notebook, source
-from course_lib.course.state import lessons_dir
+from course_lib.course.material import lessons_dir
 from tests.benchmarks.students import Student, follow, hide, run_cells, students
 
 CLASS = 1000  # students that the last line is about

@@ -17,7 +17,7 @@ import rclpy  # noqa: E402  # needs the stand-in's packages
 
 from course_lib import spin_for  # noqa: E402  # as above
 from course_lib.course.exercise import read_notebook, source  # noqa: E402  # as above
-from course_lib.course.state import lessons_dir  # noqa: E402  # as above
+from course_lib.course.material import lessons_dir  # noqa: E402  # as above
 from course_lib.sensors.sensor_nodes import Pinhole  # noqa: E402  # as above
 
 RUNS = 5

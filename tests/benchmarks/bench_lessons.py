@@ -22,7 +22,7 @@ import psutil
 from playwright.sync_api import Locator, Page
 from playwright.sync_api import TimeoutError as NotShown
 
-from course_lib.course.state import lessons_dir
+from course_lib.course.material import lessons_dir
 from course_lib.viewer.renderer import find_browser
 from tests.benchmarks.bench_viewer import COUNT_PICTURES
 from tests.browser.fake_host import chromium

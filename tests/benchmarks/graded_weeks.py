@@ -13,7 +13,7 @@ from statistics import median
 from typing import Any
 
 from course_lib.authoring.edits import mutants, operators
-from course_lib.course.state import solutions_dir
+from course_lib.course.material import solutions_dir
 from course_lib.grading.run.run import Job, plan_scenarios, run_scenarios
 from tests.notebooks.graded import STUDENT, WEEKS, catalog, cells_of, solution
 

@@ -8,7 +8,7 @@ from nbclient import NotebookClient
 
 from course_lib.book import book
 from course_lib.book.book import build, make_page
-from course_lib.course.state import material_root
+from course_lib.course.material import material_root
 from course_lib.errors import CourseError
 
 

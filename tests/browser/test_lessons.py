@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator
 
-from course_lib.course.state import exercises_dir, lessons
+from course_lib.course.material import exercises_dir, lessons
 from tests.browser.jupyterlab import Lab, Notebook, count_pixels, opened, view_of
 from tests.browser.waiting import A_FRAME, wait_until
 from tests.tools.test_resume import code_cells, places_of, unexpected_failures

@@ -5,7 +5,7 @@ import pytest
 
 import course_lib.course.exercise as exercise_module
 from course_lib.course.exercise import exercise_from, exercise_path, notebook_text, read_notebook, stub
-from course_lib.course.state import solutions_dir
+from course_lib.course.material import solutions_dir
 from course_lib.errors import CourseError
 from tests.export.conftest import write_notebook
 

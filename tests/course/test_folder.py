@@ -6,7 +6,8 @@ import pytest
 
 from course_lib.course import student_folder
 from course_lib.course.exercise import notebook_text, read_notebook
-from course_lib.course.state import PACKAGE, State
+from course_lib.course.material import PACKAGE
+from course_lib.course.state import State
 from course_lib.course.student_folder import prepare, shipped_files
 from course_lib.errors import CourseError
 

@@ -3,6 +3,7 @@ from pathlib import Path
 
 import pytest
 
+from course_lib.course.material import exercises_dir
 from course_lib.course.questions import (
     HOW_TO_ANSWER,
     Answer,
@@ -13,7 +14,6 @@ from course_lib.course.questions import (
     read_quiz,
     verdict,
 )
-from course_lib.course.state import exercises_dir
 from course_lib.errors import CourseError
 
 QUIZZES = sorted((exercises_dir() / "quizzes").glob("*.toml"))

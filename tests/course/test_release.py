@@ -17,8 +17,8 @@ from course_lib.course import release as release_module
 from course_lib.course import student_folder
 from course_lib.course.course_file import CourseFile, LatePolicy, WeekSettings
 from course_lib.course.exercise import BEGIN, END, read_notebook, source
+from course_lib.course.material import checkout_root, lessons_dir, solutions_dir
 from course_lib.course.release import EXTENSIONS, _copy, _without_extensions, release
-from course_lib.course.state import checkout_root, lessons_dir, solutions_dir
 from course_lib.course.student_folder import SOLUTIONS
 from course_lib.errors import CourseError
 from course_lib.grading.records import count_days_late
@@ -193,8 +193,8 @@ def test_wheel_of_the_release_creates_a_student_folder(out: Path, tmp_path: Path
         timeout=5 * PATIENCE,
     )
     code = (
-        "from pathlib import Path; from course_lib.course import questions, state, student_folder\n"
-        "print(state.PACKAGE); print(*student_folder.prepare(Path('mine')).added)\n"
+        "from pathlib import Path; from course_lib.course import material, questions, student_folder\n"
+        "print(material.PACKAGE); print(*student_folder.prepare(Path('mine')).added)\n"
         "questions.read_quiz('week01')"
     )
     environment = os.environ | {"PYTHONPATH": str(tmp_path / "site")}

@@ -2,7 +2,7 @@ from importlib import metadata
 
 import pytest
 
-from course_lib.course.state import VersionCheck, check_versions, find_versions
+from course_lib.course.material import VersionCheck, check_versions, find_versions
 
 
 def test_setup_check_passes_in_this_environment(capsys: pytest.CaptureFixture[str]) -> None:

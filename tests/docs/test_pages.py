@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from course_lib.course.state import lessons_dir
+from course_lib.course.material import lessons_dir
 from course_lib.displays.display import DrawnDisplay
 from course_lib.displays.registry import REGISTRY
 from course_lib.displays.views import VIEWS

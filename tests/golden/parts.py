@@ -19,7 +19,7 @@ import numpy as np
 from course_lib.authoring.edits import Edit, group_edits, make_edits, operators, read_answers
 from course_lib.authoring.rehearsal import rehearse
 from course_lib.course.exercise import exercise_path
-from course_lib.course.state import solutions_dir
+from course_lib.course.material import solutions_dir
 from course_lib.displays.registry import PACKAGE, REGISTRY
 from course_lib.displays.writer import save_rviz
 from course_lib.errors import CourseError

@@ -18,7 +18,7 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
 import course_lib.grading.vocabulary
-from course_lib.course.state import exercises_dir, solutions_dir
+from course_lib.course.material import exercises_dir, solutions_dir
 from course_lib.grading.advice import (
     AFTER_AN_ERROR,
     SILENT,

@@ -11,7 +11,8 @@ import pytest
 
 import course_lib.grading.check as check_module
 from course_lib.course.exercise import read_notebook, source
-from course_lib.course.state import exercises_dir, student_state
+from course_lib.course.material import exercises_dir
+from course_lib.course.state import student_state
 from course_lib.errors import CourseError
 from course_lib.grading import expect_value, inputs, my
 from course_lib.grading.advice import Advice, call_note

@@ -9,7 +9,7 @@ from zoneinfo import ZoneInfo
 
 import pytest
 
-from course_lib.course.state import exercises_dir, lessons_dir
+from course_lib.course.material import exercises_dir, lessons_dir
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
 from course_lib.grading.store import Course

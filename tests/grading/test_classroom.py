@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from course_lib.course.state import solutions_dir
+from course_lib.course.material import solutions_dir
 from course_lib.course.student_folder import prepare
 from course_lib.errors import CourseError
 from course_lib.grading.platforms.classroom import check_changed, collect_clones, write_workflow

@@ -10,7 +10,7 @@ from zoneinfo import ZoneInfo
 import pytest
 from playwright.sync_api import Page
 
-from course_lib.course.state import exercises_dir
+from course_lib.course.material import exercises_dir
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
 from course_lib.grading.marks import results_in

@@ -7,7 +7,7 @@ import pytest
 from rclpy.duration import Duration
 from visualization_msgs.msg import Marker, MarkerArray
 
-from course_lib.course.state import exercises_dir, solutions_dir
+from course_lib.course.material import exercises_dir, solutions_dir
 from course_lib.grading import Check, Scenario, expect_circle, expect_marker, expect_marker_count, my
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import judge_task

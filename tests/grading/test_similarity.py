@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from course_lib.course.exercise import read_notebook, source
-from course_lib.course.state import exercises_dir, solutions_dir
+from course_lib.course.material import exercises_dir, solutions_dir
 from course_lib.grading.submissions.copies import (
     COMMON,
     FEW,

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from course_lib import grading as v
-from course_lib.course.state import exercises_dir, solutions_dir
+from course_lib.course.material import exercises_dir, solutions_dir
 from course_lib.grading.evidence import Check, Evidence, all_checks
 from course_lib.grading.inputs import header, pose, transforms
 from course_lib.grading.judge import CHECK_SECONDS, time_limit

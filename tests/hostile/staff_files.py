@@ -8,7 +8,7 @@ from pathlib import Path
 from zoneinfo import ZoneInfo
 
 from course_lib.course.course_file import read_course_file
-from course_lib.course.state import exercises_dir
+from course_lib.course.material import exercises_dir
 from course_lib.grading.marks import read_marks, read_result
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.submissions.collect import collect

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.course.exercise import read_notebook, source
-from course_lib.course.state import lessons_dir
+from course_lib.course.material import lessons_dir
 from course_lib.ros.graph.graph import Graph, use_graph
 from course_lib.ros.time.time_lock import time_lock
 from course_lib.ros.tracebacks import print_error

@@ -20,7 +20,7 @@ from tempfile import TemporaryDirectory
 from unittest.mock import patch
 
 from course_lib.authoring.edits import apply_changes, read_answers
-from course_lib.course.state import solutions_dir
+from course_lib.course.material import solutions_dir
 from course_lib.errors import CourseError
 from course_lib.grading.advice import Advice
 from course_lib.grading.caught_errors import CaughtErrors

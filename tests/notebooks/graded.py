@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from course_lib.course.exercise import read_notebook, source
-from course_lib.course.state import exercises_dir, solutions_dir
+from course_lib.course.material import exercises_dir, solutions_dir
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import personal_values, set_values
 from course_lib.grading.judge import judge

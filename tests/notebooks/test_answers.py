@@ -9,7 +9,7 @@ import pytest
 from course_lib.authoring.rules import ASPECTS, EXTRAS
 from course_lib.authoring.verify import WeekReport, verify, weeks_of
 from course_lib.course.exercise import exercise_path
-from course_lib.course.state import solutions_dir
+from course_lib.course.material import solutions_dir
 from course_lib.grading.store import this_course
 from tests.notebooks.graded import (
     IN_PROCESS,

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from course_lib import cli
-from course_lib.course.state import checkout_root, exercises_dir, lessons_dir, solutions_dir
+from course_lib.course.material import checkout_root, exercises_dir, lessons_dir, solutions_dir
 from course_lib.course.student_folder import prepare
 from course_lib.ros.graph.graph import Graph, use_graph
 from course_lib.tools.notebook import run_piped

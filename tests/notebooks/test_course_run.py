@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.course.state import lessons_dir, solutions_dir
+from course_lib.course.material import lessons_dir, solutions_dir
 from course_lib.tools.run import run
 from tests.export.conftest import write_notebook
 from tests.once import Once

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from course_lib.course.exercise import BEGIN, END, read_notebook, source
-from course_lib.course.state import exercises_dir, lessons, solutions_dir
+from course_lib.course.material import exercises_dir, lessons, solutions_dir
 
 LESSONS = lessons()
 EXERCISES = sorted(exercises_dir().glob("week*.ipynb"))

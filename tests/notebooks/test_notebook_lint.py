@@ -11,8 +11,8 @@ import pytest
 from course_lib.authoring.rules import code_of, names_in_answers, page_flaws
 from course_lib.authoring.verify import weeks_of
 from course_lib.course.exercise import read_notebook, source
+from course_lib.course.material import exercises_dir, lessons_dir, solutions_dir
 from course_lib.course.questions import read_quiz
-from course_lib.course.state import exercises_dir, lessons_dir, solutions_dir
 from course_lib.grading.store import this_course
 
 COVERAGE = tomllib.loads(Path(__file__).with_name("coverage.toml").read_text(encoding="utf-8"))["part"]

@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from course_lib.course.state import exercises_dir, solutions_dir
+from course_lib.course.material import exercises_dir, solutions_dir
 from course_lib.robots.kinematics import link_poses
 from course_lib.robots.robot import load_robot
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.course.exercise import read_notebook, source
-from course_lib.course.state import lessons_dir, solutions_dir
+from course_lib.course.material import lessons_dir, solutions_dir
 from course_lib.export.export import export, lacks
 from tests.export.conftest import write_notebook
 from tests.ros.launch.run import recorded

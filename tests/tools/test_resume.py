@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from jupyter_client.manager import KernelManager
 
-from course_lib.course.state import lessons
+from course_lib.course.material import lessons
 from course_lib.tools.resume import resume
 from tests.patience import PATIENCE
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from course_lib.course.course_file import shipped_course_file
-from course_lib.course.state import exercises_dir
+from course_lib.course.material import exercises_dir
 from course_lib.course.student_folder import content_hash
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically

@@ -19,7 +19,7 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from course_lib.course.course_file import read_course_file
 from course_lib.course.exercise import normalise
-from course_lib.course.state import DISTRIBUTION, checkout_root, course_package
+from course_lib.course.material import DISTRIBUTION, checkout_root, course_package
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
 from course_lib.grading.evidence import Check

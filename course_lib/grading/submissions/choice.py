@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple
 
-from course_lib.course.state import exercises_dir
+from course_lib.course.material import exercises_dir
 from course_lib.errors import CourseError, format_count
 from course_lib.grading.submissions import readers
 from course_lib.grading.submissions.archives import ReceivedFile, path_problem

@@ -28,7 +28,7 @@ from zoneinfo import ZoneInfo
 
 from course_lib.course.course_file import Counts
 from course_lib.course.exercise import normalise
-from course_lib.course.state import exercises_dir, lessons_dir
+from course_lib.course.material import exercises_dir, lessons_dir
 from course_lib.errors import CourseError
 from course_lib.files import write_atomically
 from course_lib.grading.marks import attempt_of, dates_of

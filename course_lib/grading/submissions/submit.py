@@ -14,14 +14,13 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.course.exercise import SET_IDENTITY, current_identity, find_notebook
+from course_lib.course.material import exercises_dir, first_lesson
 from course_lib.course.state import (
     LastCheck,
     PackedSubmission,
     State,
     cell_digest,
-    exercises_dir,
     find_student_folder,
-    first_lesson,
     last_check,
     save_packed_submission,
     state_of,

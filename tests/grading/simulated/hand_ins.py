@@ -9,7 +9,7 @@ from functools import cache
 
 from course_lib.authoring.edits import apply_changes, mutants, operators, read_answers
 from course_lib.course.exercise import exercise_path, read_notebook, source
-from course_lib.course.state import solutions_dir
+from course_lib.course.material import solutions_dir
 from course_lib.grading.task import Task
 from tests.notebooks.graded import catalog, cells_of, solution
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from pathlib import Path
 
-from course_lib.course.state import checkout_root
+from course_lib.course.material import checkout_root
 from tests.grading.platforms import Handed, moodle_zip, table
 from tests.grading.simulated.hand_ins import HandIn, handed_in, tasks_of
 
