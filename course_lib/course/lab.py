@@ -140,6 +140,26 @@ def _wait_for_server_url(process: "subprocess.Popen[bytes]") -> str | None:
     return None
 
 
+def running_address(folder: Path) -> str | None:
+    """Return the address of the JupyterLab that another `course lab` runs in this folder, or None.
+
+    A second one would start a second kernel for a notebook that is open, and the two pages would
+    overwrite each other's changes.
+    """
+    from jupyter_core.paths import jupyter_runtime_dir
+
+    for facts in Path(jupyter_runtime_dir()).glob("jpserver-*.json"):
+        # The file may be incomplete, or belong to another computer with the same home folder.
+        with suppress(OSError, ValueError, KeyError, psutil.Error):
+            server_info = read_json(facts.read_text())
+            process = psutil.Process(int(server_info["pid"]))
+            # Ctrl+Z in a terminal stops both programs, and then no page can be opened.
+            is_stopped = process.status() in (psutil.STATUS_STOPPED, psutil.STATUS_ZOMBIE)
+            if f"--ServerApp.root_dir={folder}" in process.cmdline() and not is_stopped:
+                return f"{server_info['url']}lab/tree/{CONTENTS_FILE}?token={server_info['token']}"
+    return None
+
+
 def provide_home(folder: Path) -> list[str]:
     """Set HOME to a folder in the student's folder if the user's home is not writable.
 
@@ -181,8 +201,9 @@ def lab(
 ) -> None:
     """Update the student's folder and serve it until Ctrl+C, or SIGTERM when a container stops.
 
-    On a JupyterHub, or without `serves`, only the folder is updated, because JupyterLab already
-    runs.
+    The end of the terminal (SIGHUP) also stops it, unless it was started by `nohup`. On a
+    JupyterHub, or without `serves`, only the folder is updated, because JupyterLab already runs. If
+    it runs in this folder already, its address is printed, unless another port is requested.
 
     Raises:
         CourseError: The folder or the port cannot be used, or JupyterLab did not start.
@@ -193,6 +214,12 @@ def lab(
     if hub_prefix() or not serves:
         next_step = f"Open {CONTENTS_FILE} of it in JupyterLab."
         say("\n".join([f"Your course folder: {folder}", *report, next_step]))
+    elif port is None and (address := running_address(folder)):
+        running = "JupyterLab already runs in this folder."
+        say("\n".join([f"Your course folder: {folder}", *report, running]))
+        say(f"Open this address in a browser:\n\n    {address}\n\nStop it with Ctrl+C in its terminal.")
+        if browser and can_open_browser():
+            webbrowser.open(address)
     else:
         server_port = free_port(FIRST_PORT if port is None else port)
         if port not in (None, server_port):
@@ -200,6 +227,8 @@ def lab(
         report += provide_home(folder)
         say("\n".join([f"Your course folder: {folder}", *report, "Starting JupyterLab …"]))
         signal.signal(signal.SIGTERM, signal.default_int_handler)
+        if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
+            signal.signal(signal.SIGHUP, signal.default_int_handler)
         try:
             with server(folder, server_port) as (process, address):
                 say(f"Open this address in a browser:\n\n    {address}\n\nStop with Ctrl+C.")

@@ -155,15 +155,21 @@ def recording_node(folder: Path) -> Path:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("end", ["SIGTERM", "SIGHUP"])
 def test_server_serves_only_the_student_folder_and_leaves_no_files_or_processes(
-    tmp_path: Path, taken: int
+    tmp_path: Path,
+    taken: int,
+    end: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    home = {name: str(tmp_path / "home" / name.lower()) for name in HOME_DIRS}
-    home["PATH"] = os.pathsep.join((str(recording_node(tmp_path)), os.environ["PATH"]))
+    for name in HOME_DIRS:
+        monkeypatch.setenv(name, str(tmp_path / "home" / name.lower()))
+    path = os.pathsep.join((str(recording_node(tmp_path)), os.environ["PATH"]))
     arguments = ["lab", str(tmp_path / "mine"), "--port", str(taken), "--no-browser"]
     process = Program(
         [sys.executable, "-m", "course_lib", *arguments],
-        env=os.environ | home,
+        env=os.environ | {"PATH": path},
         stdout=subprocess.PIPE,
     )
     process.find(f"Port {taken} is taken")
@@ -176,7 +182,12 @@ def test_server_serves_only_the_student_folder_and_leaves_no_files_or_processes(
     assert news["schema"]["properties"]["fetchNews"]["default"] == "false"
     # JupyterLab would ask yarn before it listens.
     assert "yarn" not in (tmp_path / "bin" / "calls").read_text()
-    process.send_signal(signal.SIGTERM)
+    lab(tmp_path / "mine", browser=False)  # in a second terminal
+    assert f"already runs in this folder.\nOpen this address in a browser:\n\n    {address}" in (
+        capsys.readouterr().out
+    )
+    assert lab_module.running_address(tmp_path) is None
+    process.send_signal(getattr(signal, end))
     process.find("Your files are kept.")
     assert process.wait(60) == 0
     assert not [p for p in server if p.is_running() and p.status() != psutil.STATUS_ZOMBIE]
