@@ -85,6 +85,26 @@ def test_interactive_marker_is_dragged_along_its_axis(server: Server) -> None:
     assert marker.pose.position.y == pytest.approx(at.y)
 
 
+def test_control_below_the_pointer_is_brighter_until_the_pointer_has_left(server: Server) -> None:
+    page = server.bench.page
+    box = page.locator("canvas").bounding_box()
+    assert box is not None
+    row, column = round(box["y"] + box["height"] / 2), round(box["x"] + box["width"] / 2)
+
+    def middle() -> int:
+        """Return the green part of the red box, which only its highlight adds."""
+        return int(server.bench.host.pixels()[row, column, 1])
+
+    wait_until(lambda: middle() == pytest.approx(0.15 * 255, abs=2), page)
+    page.mouse.down()
+    server.spin()
+    wait_until(lambda: middle() == pytest.approx(0.25 * 255, abs=2), page)
+    page.mouse.up()
+    page.mouse.move(box["x"] + 5, box["y"] + 5)
+    server.spin()
+    wait_until(lambda: middle() == 0, page)
+
+
 @pytest.mark.slow
 def test_dragging_next_to_a_marker_sends_no_feedback(server: Server) -> None:
     server.bench.drag((-200, -200), (-100, -200))

@@ -49,6 +49,7 @@ export const SHADOW = `
 const FRAGMENT = `
   varying vec4 vColor;
   uniform bool isStudio;
+  uniform float glow;
   #if defined(SMOOTH) || defined(FLAT)
     uniform vec3 sun, sky;
     ${SHADOW}
@@ -130,6 +131,7 @@ const FRAGMENT = `
       }
       if (gl_FragColor.a < 0.01) discard;
     #endif
+    gl_FragColor.rgb += glow;
   }`;
 
 const SURFACE = `
@@ -281,7 +283,7 @@ export function material(kind, transparent, define = "", doubleSided = true) {
       vertexShader: { surface: SURFACE, strip: STRIP, spot: SPOT }[kind],
       fragmentShader: FRAGMENT,
       defines: define ? { [define]: "" } : {},
-      uniforms: { pixel, density, ...studio, size: { value: [0, 0, 0] }, inPixels: { value: false }, grow: { value: false }, mask: { value: null }, capital: { value: 1 }, lowered: { value: 0 } },
+      uniforms: { pixel, density, ...studio, size: { value: [0, 0, 0] }, inPixels: { value: false }, grow: { value: false }, mask: { value: null }, capital: { value: 1 }, lowered: { value: 0 }, glow: { value: 0 } },
       side: doubleSided ? THREE.DoubleSide : THREE.FrontSide,
       transparent,
       depthWrite: !transparent,
@@ -290,4 +292,22 @@ export function material(kind, transparent, define = "", doubleSided = true) {
     materials.set(key, shared);
   }
   return shared;
+}
+
+/** @param {any} top of a tree whose objects are drawn brighter @param {number} glow is added to their colors; 0 restores them */
+export function setGlow(top, glow) {
+  top.traverse((/** @type {any} */ object) => {
+    const shared = object.material;
+    if (!shared?.uniforms?.glow) return;
+    const prepare = (object.userData.prepare ??= object.onBeforeRender);
+    const setUniform = (/** @type {number} */ value) => {
+      shared.uniforms.glow.value = value;
+      shared.uniformsNeedUpdate = true;
+    };
+    object.onBeforeRender = (/** @type {any[]} */ ...all) => {
+      prepare.apply(object, all);
+      if (glow) setUniform(glow);
+    };
+    object.onAfterRender = () => glow && setUniform(0);
+  });
 }

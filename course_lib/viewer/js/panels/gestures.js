@@ -1,5 +1,7 @@
 /* global THREE */
+import { setGlow } from "../materials.js";
 
+const [HOVERED, PRESSED] = [0.15, 0.25]; // added to the colors of a control below the pointer
 const GREEN = 0x00ff00; // of the arrow of RViz's pose tools
 /** @typedef {import("../protocol.js").ToolButton} ToolButton */
 /** @typedef {import("../protocol.js").Click} Click */
@@ -31,6 +33,7 @@ export class Gestures {
     this.handles = []; // nodes with interactive markers below them
     /** @type {{path: string, button: number} | null} */
     this.pressed = null; // the control that the pointer has pressed
+    this.glowing = ""; // the path of the control that is drawn brighter
     this.wantsMenu = false;
     /** @type {import("../protocol.js").ToolSettings} */
     this.settings = { color: "#808000", single: true }; // RViz's, of Measure and of Publish Point
@@ -47,6 +50,7 @@ export class Gestures {
     this.tool = tool;
     this.start = null;
     this.showOverlay(null);
+    this.highlight("", 0);
     this.showHint(HINTS[tool.gesture]);
     this.view.canvas.style.cursor = isForCamera(tool.gesture) ? "" : "crosshair";
   }
@@ -70,6 +74,7 @@ export class Gestures {
     if (!this.pressed) {
       const isOver = Boolean(path && this.handles.some((handle) => path.startsWith(`${handle}/`)));
       this.view.canvas.style.cursor = isOver ? "grab" : "";
+      this.highlight(isOver ? controlOf(path ?? "") : "", kind === "down" ? PRESSED : HOVERED);
       if (!isOver || kind !== "down") return false;
       this.pressed = { path: path ?? "", button: event.button };
       this.view.canvas.setPointerCapture(event.pointerId);
@@ -79,9 +84,22 @@ export class Gestures {
     const { clientWidth, clientHeight } = this.view.canvas;
     const from = { ...this.view.orbit.pose(), pixel: this.view.orbit.pixel(clientWidth, clientHeight) };
     this.act({ act: "UseControl", event: kind, origin, direction, point, shift, ctrl, ...this.pressed, ...from });
-    if (kind === "up" || kind === "cancel") [this.pressed, this.wantsMenu] = [null, true];
+    if (kind === "up" || kind === "cancel") {
+      this.highlight(controlOf(this.pressed?.path ?? ""), HOVERED);
+      [this.pressed, this.wantsMenu] = [null, true];
+    }
     event.preventDefault();
     return true;
+  }
+
+  /** @param {string} path of the control that is drawn brighter, or "" for none @param {number} glow */
+  highlight(path, glow) {
+    const { nodes } = this.view.mirror;
+    const [before, now] = [nodes.get(this.glowing), nodes.get(path)];
+    if (this.glowing && before && before !== now) setGlow(before, 0);
+    if (path && now) setGlow(now, glow);
+    if (this.glowing || path) this.view.mirror.invalidateViews();
+    this.glowing = path;
   }
 
   /** @param {Click} click reported by the view @returns {boolean} whether the tool handled it */
@@ -184,6 +202,9 @@ export class Gestures {
     this.view.mirror.invalidateViews();
   }
 }
+
+/** @param {string} path of an object @returns {string} of its control, above the numbers of its markers and their parts */
+const controlOf = (path) => path.split("/").slice(0, -2).join("/");
 
 /** @param {ToolButton["gesture"]} gesture @returns {boolean} whether the mouse turns the view while no control is pressed */
 const isForCamera = (gesture) => gesture === "camera" || gesture === "interact";
