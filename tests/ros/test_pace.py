@@ -87,6 +87,27 @@ def test_robot_time_can_be_slowed_paused_and_stepped(fake_wall_time: list[float]
     assert not at_pace(due_ns + 2 * 10**8)
 
 
+def test_live_nodes_that_are_too_slow_for_real_time_never_catch_up_at_length(
+    fake_wall_time: list[float],
+) -> None:
+    limit, period_ns = 0.25, 10**8  # [s], [ns]
+    graph = Graph()
+    graph.pace = at_pace = pace.WallPace(graph)
+
+    def compute() -> None:
+        fake_wall_time[0] += 1.0  # ten times the period
+
+    for tick in range(1, 200):
+        graph.call_at(START_NS + tick * period_ns, compute, node=0, entity=0)
+    for _ in range(20):
+        fake_wall_time[0] += 0.02
+        start, end_ns = fake_wall_time[0], at_pace.reached_ns(limit)
+        while (graph.next_due_ns() or end_ns) <= end_ns:
+            assert graph.advance()
+        assert fake_wall_time[0] - start <= 3.1
+    assert graph.now_ns > START_NS + 20 * period_ns
+
+
 def test_blocking_call_while_robot_time_is_paused_prints_a_notice(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -93,10 +93,16 @@ class WallPace:
         self._wall_time = wall.monotonic()
 
     def reached_ns(self, limit: float) -> int:
-        """Return the robot time [ns] of the wall clock, which advances at most `limit` [s] per call."""
+        """Return the robot time [ns] of the wall clock, at most `limit` [s] after the last event.
+
+        On a machine that is too slow for its nodes, robot time falls behind and stays behind. To
+        catch up would keep the kernel busy, and the clock would be further ahead at the next call.
+        """
         previous, self._wall_time = self._wall_time, wall.monotonic()
         passed_ns = self._speed.advance_ns(min(self._wall_time - previous, limit))
-        self._allowed_ns = max(self._allowed_ns, self._graph.now_ns) + passed_ns
+        now_ns, most_ns = self._graph.now_ns, round(limit * self._speed.rate * 1e9)
+        reached_ns = max(self._allowed_ns, now_ns) + passed_ns
+        self._allowed_ns = min(reached_ns, now_ns + max(passed_ns, most_ns))
         return self._allowed_ns
 
     def __call__(self, due_ns: int) -> bool:
