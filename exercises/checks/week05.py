@@ -258,11 +258,17 @@ DISPLAYS_IN = Task(
             "public",
             calls=(Call(PLAIN), Call(GROUPS)),
             checks=lightly(
-                expect_value([["Charge", "Battery"], ["Plan", "Path"]], call=0, name="the list"),
+                expect_value(
+                    [["Charge", "Battery"], ["Plan", "Path"]],
+                    call=0,
+                    name="the list",
+                    parts=("name", "class"),
+                ),
                 expect_value(
                     [["Floor", "Grid"], ["Laser", "LaserScan"], ["Camera", "Image"]],
                     call=1,
                     name="the list with groups",
+                    parts=("name", "class"),
                 ),
             ),
         ),

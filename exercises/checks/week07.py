@@ -292,7 +292,8 @@ FRONT, BACK, FAR = [1.0, 0.5, 2.1], [0.0, 0.5, -1.9], [4.0, -1.0, 2.1]  # [m]; t
 NEAR, BEHIND = ([1.0, 0.0, 0.05], [1.0, 0.0, 0.25]), ([0.0, 0.0, -1.0], [1.0, 0.0, 0.05])  # [m]
 JUST_AHEAD = ([0.0, 1.0, 0.1], [2.0, 1.0, 1.0])  # [m]
 EDGES = ((FRONT, BACK), (BACK, FRONT), (FRONT, FAR), BEHIND, NEAR, JUST_AHEAD)
-CUT = expect_value([FRONT, [0.5, 0.5, 0.1]], call=0, unit="m", name="the part", axes="x y z")
+ENDS: dict[str, Any] = {"parts": ("first end", "second end"), "axes": "x y z", "unit": "m"}
+CUT = expect_value([FRONT, [0.5, 0.5, 0.1]], call=0, name="the part", **ENDS)
 
 PART_AHEAD = Task(
     "week07.part_ahead",
@@ -310,22 +311,16 @@ PART_AHEAD = Task(
             calls=tuple(Call(*ends) for ends in EDGES),
             checks=lightly(
                 CUT,
-                expect_value(
-                    [[0.5, 0.5, 0.1], FRONT],
-                    call=1,
-                    unit="m",
-                    name="the part from behind",
-                    axes="x y z",
-                ),
-                expect_value([FRONT, FAR], call=2, unit="m", name="an edge that is ahead", axes="x y z"),
+                expect_value([[0.5, 0.5, 0.1], FRONT], call=1, name="the part from behind", **ENDS),
+                expect_value([FRONT, FAR], call=2, name="an edge that is ahead", **ENDS),
                 expect_value([], call=3, name="the part of an edge behind the camera").requiring(CUT),
                 expect_value(
                     [[1.0, 0.0, 0.1], NEAR[1]],
                     call=4,
                     name="the part of an edge near the camera",
-                    axes="x y z",
+                    **ENDS,
                 ),
-                expect_value(list(JUST_AHEAD), call=5, name="an edge from exactly 0.1 m on", axes="x y z"),
+                expect_value(list(JUST_AHEAD), call=5, name="an edge from exactly 0.1 m on", **ENDS),
             ),
         ),
     ),

@@ -91,7 +91,8 @@ ALL_NODES = ("/tf_publisher", "/path_planner", "/perception_node", "/trajectory_
 WITH_TF = expect_display("TF", properties={"Show Names": True})
 A, B = [2.0, -1.0, -0.4], [-1.0, 3.0, 1.6]
 CUT = [1.25, 0.0, 0.1]  # a quarter of the way
-FIRST_PART = expect_value([CUT, B], call=0, axes="x y z")
+ENDS: dict[str, Any] = {"parts": ("first end", "second end"), "axes": "x y z", "unit": "m"}
+FIRST_PART = expect_value([CUT, B], call=0, name="the part", **ENDS)
 
 
 HIDDEN = {
@@ -214,9 +215,9 @@ HIDDEN = {
             ),
             checks=(
                 FIRST_PART,
-                expect_value([B, CUT], call=1, axes="x y z"),
-                expect_value([[1.0, 1.0, 0.1], [2.0, 2.0, 3.0]], call=2, axes="x y z"),
-                expect_value([], call=3).requiring(FIRST_PART),
+                expect_value([B, CUT], call=1, name="the part from behind", **ENDS),
+                expect_value([[1.0, 1.0, 0.1], [2.0, 2.0, 3.0]], call=2, name="an edge ahead", **ENDS),
+                expect_value([], call=3, name="the part of an edge behind").requiring(FIRST_PART),
             ),
         ),
     ),

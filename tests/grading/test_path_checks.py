@@ -47,7 +47,7 @@ def test_exchanged_or_reversed_coordinates_of_a_path_are_reported(
         (way(count=4), "the last path on /way has 4 poses, expected 3"),
         (way(frame="odom"), "the path on /way is in frame 'odom', expected 'map'"),
         (way(y=1.0), "the first pose of /way is at (0.00, 1.00, 0.00) m, expected (0.00, 0.00, 0.00) m"),
-        (way(yaw=0.0), "the last pose of /way is turned by 0.00 rad about z, expected 1.00 rad"),
+        (way(yaw=0.0), "the last pose of /way is turned by 0.00 rad (0°) about z, expected 1.00 rad (57°)"),
     ],
 )
 def test_faults_of_a_path_are_reported(evidence: MakeEvidence, wrong: Any, message: str) -> None:
@@ -88,7 +88,7 @@ def test_quaternion_without_unit_length_is_reported(evidence: MakeEvidence) -> N
     assert check.judge(evidence(wrong)).score == 1
     wrong[2].poses[-1].pose.orientation.w = 1.0
     assert check.judge(evidence(wrong)).message == (
-        "the last pose of /way is turned by 1.03 rad about z, expected 1.20 rad: "
+        "the last pose of /way is turned by 1.03 rad (59°) about z, expected 1.20 rad (69°): "
         "its quaternion has the length 1.15, expected 1"
     )
 

@@ -78,7 +78,7 @@ def test_failed_lookup_transform_is_reported_with_the_tf2_message(evidence: Make
 def test_wrong_translation_and_rotation_are_reported(evidence: MakeEvidence) -> None:
     verdict = expect_transform("base", "lens", translation=(0.3, 0.5, 0.0), yaw=1.0).judge(evidence(LENS))
     assert "lens is 0.50 m too far towards -y in base: y = 0.00 m, expected 0.50 m" in verdict.message
-    assert "lens is turned by 0.00 rad about z, expected 1.00 rad" in verdict.message
+    assert "lens is turned by 0.00 rad (0°) about z, expected 1.00 rad (57°)" in verdict.message
 
 
 def test_circling_frame_facing_forward_passes(evidence: MakeEvidence) -> None:
@@ -88,7 +88,10 @@ def test_circling_frame_facing_forward_passes(evidence: MakeEvidence) -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"ahead": 0.0}, "base is turned by 0.10 rad, expected the direction from the origin plus 1.57 rad"),
+        (
+            {"ahead": 0.0},
+            "base is turned by 0.10 rad (6°), expected the direction from the origin plus 1.57 rad (90°)",
+        ),
         ({"turn": -1.0}, "base goes clockwise (from above), expected counter-clockwise"),
         ({"turn": 0.5}, "one turn takes 12.00 s, expected 6.00 s"),
     ],
@@ -112,7 +115,7 @@ def test_constant_transform_must_be_broadcast_as_static_only(evidence: MakeEvide
     ("wanted", "message"),
     [
         ({"radius": None, "period": 6.0, "heading": math.pi / 2}, "as expected"),
-        ({"period": 6.0, "start": 0.0}, "base starts at the angle 0.10 rad, expected 0.00 rad"),
+        ({"period": 6.0, "start": 0.0}, "base starts at the angle 0.10 rad (6°), expected 0.00 rad (0°)"),
         ({"period": 6.0, "start": 0.1, "height": 0.0}, "as expected"),
         ({"height": 1.0}, "base is 1.00 m too low: z = 0.00 m, expected 1.00 m"),
     ],

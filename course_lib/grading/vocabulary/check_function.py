@@ -177,6 +177,11 @@ def format_number(value: float, unit: str = "") -> str:
     return f"{value:z.{4 if small else 2}f}{unit and ' ' + unit}"
 
 
+def format_angle(value: float) -> str:
+    """Format an angle [rad] for people, in degrees too: a heading is imagined in degrees."""
+    return f"{format_number(value, 'rad')} ({math.degrees(value):z.0f}°)"
+
+
 def format_numbers(values: Iterable[float]) -> str:
     """Format numbers as a list in parentheses."""
     return f"({', '.join(format_number(value) for value in values)})"

@@ -35,6 +35,7 @@ from course_lib.grading.vocabulary.check_function import (
     are_angles_close,
     check_function,
     describe_offset,
+    format_angle,
     format_number,
     format_numbers,
     is_close,
@@ -689,9 +690,7 @@ def _compare_yaw(marker: Any, expected: float, _: float) -> Iterator[str]:
     q = marker.pose.orientation
     value = yaw_of(q.x, q.y, q.z, q.w)
     if not are_angles_close(value, expected, YAW_TOLERANCE):
-        message = (
-            f" is turned by {format_number(value, 'rad')} about z, expected {format_number(expected, 'rad')}"
-        )
+        message = f" is turned by {format_angle(value)} about z, expected {format_angle(expected)}"
         causes = {
             "is it in degrees instead of radians?": math.degrees(expected),
             "a quaternion holds half of the angle": 2 * expected,

@@ -14,6 +14,7 @@ from course_lib.grading.vocabulary.check_function import (
     are_angles_close,
     check_function,
     describe_offset,
+    format_angle,
     format_number,
     format_numbers,
     is_close,
@@ -332,8 +333,7 @@ def expect_circling_frame(
 def _check_start(frame: str, place: Sequence[float], start: float | None) -> Iterator[Problem]:
     angle = math.atan2(place[1], place[0])  # [rad]
     if start is not None and not are_angles_close(angle, start, YAW_TOLERANCE):
-        actual, expected_text = format_number(angle, "rad"), format_number(start, "rad")
-        message = f"{frame} starts at the angle {actual}, expected {expected_text}"
+        message = f"{frame} starts at the angle {format_angle(angle)}, expected {format_angle(start)}"
         yield Problem(message, "a path starts at the wrong place")
 
 
@@ -394,7 +394,7 @@ def _check_pose(
             message = f"{transform.child} is {gap} in {transform.parent}: {where}"
             yield Problem(message, "the place of a frame is wrong")
     if yaw is not None and not are_angles_close(turn := yaw_of(*transform.rotation), yaw, YAW_TOLERANCE):
-        came_yaw = f"{format_number(turn, 'rad')} about z, expected {format_number(yaw, 'rad')}"
+        came_yaw = f"{format_angle(turn)} about z, expected {format_angle(yaw)}"
         yield Problem(f"{transform.child} is turned by {came_yaw}", "the orientation of a frame is wrong")
 
 
@@ -405,10 +405,8 @@ def _check_heading(
     for seconds, pose in poses if heading is not None else ():
         (x, y, _), turn = pose.translation, yaw_of(*pose.rotation)
         if heading is not None and not are_angles_close(turn - math.atan2(y, x), heading, YAW_TOLERANCE):
-            expected_text = f"the direction from the origin plus {format_number(heading, 'rad')}"
-            message = (
-                f"after {format_number(seconds, 's')} {pose.child} is turned by {format_number(turn, 'rad')}"
-            )
+            expected_text = f"the direction from the origin plus {format_angle(heading)}"
+            message = f"after {format_number(seconds, 's')} {pose.child} is turned by {format_angle(turn)}"
             yield Problem(f"{message}, expected {expected_text}", "the orientation of a frame is wrong")
             return
 
@@ -464,7 +462,8 @@ def expect_path(
     scale = 1 / length if length and math.isfinite(length) else 1.0
     turn = yaw_of(q.x * scale, q.y * scale, q.z * scale, q.w * scale)
     if yaw is not None and not are_angles_close(turn, yaw, tolerance):
-        message = f"the last pose of {topic} is turned by {turn:.2f} rad about z, expected {yaw:.2f} rad"
+        message = f"the last pose of {topic} is turned by {format_angle(turn)} about z"
+        message += f", expected {format_angle(yaw)}"
         if not is_close(length, 1.0, UNIT_TOLERANCE):
             message += f": its quaternion has the length {length:.2f}, expected 1"
         return [Problem(message, "the orientation in a path is wrong")]

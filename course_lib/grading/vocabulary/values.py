@@ -20,6 +20,7 @@ from course_lib.ros.programs.parameter_yaml import read_text
 
 WRONG, WRONG_KIND = "a value is wrong", "a value is of the wrong kind"
 WRONG_ORDER, NOT_CALLED = "values are in the wrong order", "a value is a function that is not called"
+NESTED_LENGTH = "a list in a list has the wrong length"
 OTHER_UNIT = "a value is in another unit"
 # Between m and mm, s and ms; m and cm, a fraction and percent; s and ns; colors up to 1 and to 255.
 _UNIT_FACTORS = (1000, 100, 10**9, 255)
@@ -65,8 +66,6 @@ def expect_value(
             wanted if index in angles and _is_same_joint_angle(item, wanted, tolerance) else item
             for index, (item, wanted) in enumerate(zip(value, right, strict=True))
         ]
-    if parts and _are_rows([value, right], parts):
-        return _compare_parts(value, right, parts, axes, tolerance, unit, name)
     if parts and _are_rows(value, parts) and _are_rows(right, parts) and len(value) == len(right):
         rows = enumerate(zip(value, right, strict=True))
         return [
@@ -76,6 +75,8 @@ def expect_value(
                 row, expected_row, parts, axes, tolerance, unit, f"row {index} of {name}"
             )
         ]
+    if parts and _are_rows([value, right], parts):
+        return _compare_parts(value, right, parts, axes, tolerance, unit, name)
     return compare(value, right, tolerance, unit, name, axes)
 
 
@@ -98,9 +99,10 @@ def _compare_parts(
         return
     for item, expected_item, part in zip(row, expected, parts, strict=True):
         for problem in compare(item, expected_item, tolerance, unit, f"the {part} of {name}", axes):
-            # A task may have a hint for this part. Otherwise the hint for the kind alone is used.
-            kind = f"{problem.mistake}: the {part}"
-            yield Problem(problem.message, kind)
+            # The part is an item of a list. A task may have a hint for it. Otherwise the hint for the
+            # kind alone is used.
+            kind = problem.mistake.replace("a list has the wrong length", NESTED_LENGTH)
+            yield Problem(problem.message, f"{kind}: the {part}")
 
 
 @check_function("{name} contains the answer")
@@ -198,7 +200,7 @@ def _compare_lists(
         if is_nested and not any(isinstance(item, list) for item in expected):
             message = f"{message}: it is a list in a list, leave out the outer [ ]"
         if _INDEX.match(name):
-            yield Problem(message, "a list in a list has the wrong length")
+            yield Problem(message, NESTED_LENGTH)
         else:
             yield Problem(message, "a list has the wrong length")
         return
