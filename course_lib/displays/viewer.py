@@ -292,7 +292,8 @@ class Viewer(KnownAttributes):
         """
         self.look()
         scene: Scene | SceneRecording = self.film if playback else self.scene
-        subject = f"{self.film.duration:.0f} s of robot time" if playback else "the view"
+        seconds = round(self.film.duration) if playback else 0
+        subject = f"{seconds} s of robot time" if seconds else "the view"
         # A history of two minutes takes seconds.
         say(f"Saving {subject} …")
         try:

@@ -347,7 +347,7 @@ def test_saving_prints_the_path_and_how_to_open_it(
     viewer = Viewer()
     viewer.save_html("my_files/page.html", playback=True)
     begin, end = capsys.readouterr().out.splitlines()
-    assert begin == "Saving 0 s of robot time …"
+    assert begin == "Saving the view …"
     assert end.startswith("Saved my_files/page.html (0.")
     assert "any browser" in end
     assert "<b>Trust HTML</b>" in Path("my_files/page.html").read_text("utf-8").partition("<script")[0]

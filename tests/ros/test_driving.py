@@ -60,7 +60,7 @@ def test_spin_for_ends_and_warns_once_when_a_callback_takes_its_full_period(
     node.create_timer(1.0, tick)
     spin_for(2.0, node)
     assert (calls, notebook.now_ns) == ([SECOND, 2 * SECOND], START_NS + 3 * SECOND)
-    hint = "hint: tick of /sleeper took 1 s, and its timer's period is 1 s: the node is always late"
+    hint = "hint: tick of /sleeper took 1 s, and its timer's period is 1 s: it is always late"
     assert capsys.readouterr().out.count(hint) == 1
 
 

@@ -109,8 +109,8 @@ class Timer(Entity):
         took, period = f"{span_ns * 1e-9:g} s", f"{self.__period_ns * 1e-9:g} s"
         name = f"{getattr(self.callback, '__name__', 'the callback')} of {self._course_node.full_name}"
         say(
-            f"hint: {name} took {took}, and its timer's period is {period}: the node is always "
-            "late, and its other callbacks wait. Return at once, without time.sleep; the timer "
+            f"hint: {name} took {took}, and its timer's period is {period}: it is always late, "
+            "and callbacks in the same thread wait. Return at once, without time.sleep; the timer "
             "calls again."
         )
 
