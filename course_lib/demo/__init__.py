@@ -1,11 +1,15 @@
 """`course demo`: run, draw and check a node in 20 seconds, without a browser."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
 from course_lib.errors import CourseError
 from course_lib.ros.programs import import_path
+
+if TYPE_CHECKING:
+    from course_lib.grading import Task
 
 # Robot time [s].
 SECONDS = 3.0
@@ -25,7 +29,6 @@ def demo(out: Path) -> None:
         raise CourseError(f"{out} already exists. Remove it or choose a new folder: course demo --out NAME")
     import_path.install()
     from course_lib.demo.red_cube import RedCubeNode
-    from course_lib.demo.task import check_answer
     from course_lib.displays.render import render_bag
     from course_lib.tools.run import run
 
@@ -50,3 +53,44 @@ def demo(out: Path) -> None:
     for answer in (RedCubeNode, TooLow):
         console.print(check_answer(answer), markup=False)
     console.print("\nNext: [bold]course lab[/bold] opens the lessons in JupyterLab.")
+
+
+def red_cube_task() -> "Task":
+    """Return the task of the demo, which does not belong to a course."""
+    from course_lib.grading import Scenario, Task, expect_frame, expect_marker, expect_rate
+
+    topic = "/visualization_marker"
+    shape = expect_marker(topic, type="CUBE", scale=(1.0, 1.0, 1.0)).titled("a cube with 1 m edges")
+    checks = (
+        shape,
+        expect_marker(topic, position=(0.0, 0.0, 0.5)).titled("above the origin, on the ground"),
+        expect_marker(topic, color=(1.0, 0.0, 0.0, 0.8)).titled("red, alpha 0.8"),
+        expect_frame(topic, "map").requiring(shape).titled("in the frame map"),
+        expect_rate(topic, 1.0).requiring(shape).titled("once a second"),
+    )
+    return Task(
+        "week00.red_cube",
+        title="A red cube on the ground",
+        kind="node",
+        name="RedCubeNode",
+        hints=(
+            "Which fields does a marker need to be visible?",
+            "The cube's edge is 1 m, so its centre is half an edge above the ground.",
+            "Set pose.position.z = 0.5.",
+        ),
+        scenarios=(Scenario("public", seconds=6.0, checks=checks),),
+    )
+
+
+def check_answer(answer: Any) -> str:
+    """Check an answer to the task and return the table of results that a student sees."""
+    from course_lib.grading.advice import Advice
+    from course_lib.grading.check import table_of
+    from course_lib.grading.judge import judge_task
+    from course_lib.grading.records import Run
+    from course_lib.grading.run.scenario import run_in_this_process
+
+    task = red_cube_task()
+    runs = [Run(scenario, run_in_this_process(task, scenario, answer, {})) for scenario in task.scenarios]
+    result = judge_task(task, 100.0, False, runs)
+    return str(table_of(task, result, [run.evidence for run in runs], None, Advice()))
