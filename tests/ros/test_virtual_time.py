@@ -109,6 +109,19 @@ def test_thread_pool_runs_in_robot_time(graph: Graph) -> None:
     assert seconds(graph) == 3
 
 
+def test_pool_logs_errors_of_callbacks_except_the_end_of_the_run(
+    graph: Graph, caplog: pytest.LogCaptureFixture
+) -> None:
+    pool = concurrent.futures.ThreadPoolExecutor(2)
+    for task in (lambda: time.sleep(1000), lambda: 1 / 0):
+        pool.submit(task).add_done_callback(lambda future: future.result())
+    time.sleep(1)
+    graph.end_ns = graph.now_ns
+    time_lock.finish_other_threads()
+    pool.shutdown()
+    assert [record.exc_info and record.exc_info[0] for record in caplog.records] == [ZeroDivisionError]
+
+
 @pytest.mark.parametrize("pool", [Pool, ThreadPool, concurrent.futures.ProcessPoolExecutor])
 def test_pool_that_would_deadlock_is_rejected_immediately(graph: Graph, pool: Callable[[], object]) -> None:
     with pytest.raises(CourseError, match=r"Use concurrent\.futures\.ThreadPoolExecutor"):

@@ -23,7 +23,7 @@ import time
 from collections.abc import Callable
 from importlib.machinery import SourceFileLoader
 from itertools import count
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import START_NS, current_graph, program
@@ -41,6 +41,9 @@ from course_lib.ros.time.time_lock import (
 )
 from course_lib.ros.tracebacks import is_own
 from course_lib.third_party import compile_python
+
+if TYPE_CHECKING:
+    from logging import LogRecord
 
 
 class RunningCell:
@@ -225,6 +228,10 @@ def _start_thread(thread: threading.Thread) -> None:
         return
     program_thread = time_lock.new_thread(thread.name)
     run, of_program = thread.run, program.name
+    # A pool stores the exception that ends a thread as the result of its task, and logs it with a
+    # traceback if a callback of the task asks for the result.
+    if pools := sys.modules.get("concurrent.futures._base"):
+        pools.LOGGER.addFilter(_is_worth_logging)
 
     def run_with_the_time_lock() -> None:
         program.name = of_program
@@ -251,6 +258,12 @@ def _start_thread(thread: threading.Thread) -> None:
     except RuntimeError:
         time_lock.dequeue(program_thread)
         raise
+
+
+def _is_worth_logging(record: "LogRecord") -> bool:
+    """Return whether a log record is not about an exception by which the end of a run ends a thread."""
+    error = record.exc_info[1] if record.exc_info else None
+    return not (isinstance(error, (StoppedThread, ShutDown)) and current_graph().ended)
 
 
 def _join_thread(thread: threading.Thread, timeout: float | None = None) -> None:
