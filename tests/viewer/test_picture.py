@@ -89,8 +89,9 @@ def test_browser_that_draws_looks_up_no_host_name(tmp_path: Path, monkeypatch: p
         pytest.skip("no Chromium or Chrome on this machine")
     log = tmp_path / "net.json"
     monkeypatch.setattr(renderer, "FLAGS", [*renderer.FLAGS, f"--log-net-log={log}"])
-    assert "drawn" in dump_dom(program, "<p>drawn</p>", PATIENCE)
-    # A job is a query to the computer's resolver. Chromium's requests remain, but are rejected.
+    page = '<p>drawn</p><img src="http://picture.invalid/robot.png">'
+    assert "drawn" in dump_dom(program, page, PATIENCE)
+    # A job is a query to the computer's resolver. The page's request remains, but is rejected.
     records = json.loads(log.read_text())
     kinds = {number: name for name, number in records["constants"]["logEventTypes"].items()}
     seen = {kinds[event["type"]] for event in records["events"]}
