@@ -654,8 +654,9 @@ _PLACES = (
 # Machines without a screen have only software GL. Updates and reports are disabled.
 FLAGS = [
     "--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader", "--disable-background-networking", "--disable-component-update",
-    "--disable-sync", "--disable-extensions", "--no-first-run", "--disable-dev-shm-usage",
+    "--enable-unsafe-swiftshader", "--disable-gpu-compositing", "--disable-gpu-rasterization",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+    "--disable-extensions", "--no-first-run", "--disable-dev-shm-usage",
 ]  # fmt: skip
 
 

@@ -178,16 +178,11 @@ class Host:
         self.page.evaluate(f"(all) => {function}(...all)", ready)
 
 
-# Pages are put together without the GPU, which is software here: a quarter less work for a page
-# with a view.
-PLAIN_PAGES = ("--disable-gpu-compositing", "--disable-gpu-rasterization")
-
-
 @contextmanager
 def chromium() -> Iterator[Browser]:
     """Run the browser that is installed, without a window."""
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=find_browser(), args=[*FLAGS[1:], *PLAIN_PAGES])
+        browser = playwright.chromium.launch(executable_path=find_browser(), args=FLAGS[1:])
         try:
             yield browser
         finally:
