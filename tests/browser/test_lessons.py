@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Locator
 
 from course_lib.course.material import exercises_dir, lessons
-from tests.browser.jupyterlab import Lab, Notebook, count_pixels, opened, view_of
+from tests.browser.jupyterlab import COUNT, Lab, Notebook, opened
 from tests.browser.waiting import A_FRAME, wait_until
 from tests.tools.test_resume import code_cells, places_of, unexpected_failures
 
@@ -28,6 +28,16 @@ HIDDEN_CODE = """() => courseNotebook().content.widgets.filter(({ model, node })
 }).map(({ model }) => model.id)"""
 # Pictures of a view, which span more robot time than the slowest node is silent.
 LOOKS = 5
+# The view of a cell, in it or beside the notebook, is found anew for each picture: a view may be
+# shown in its cell for a moment and then move beside the notebook. The page scrolls to it, as
+# Playwright would first wait until it is visible and at rest.
+SCROLL_TO_VIEW = """cell => {
+    const seen = (root, selector) =>
+        [...root.querySelectorAll(selector)].find((one) => one.offsetWidth && one.offsetHeight);
+    const here = seen(cell, "canvas, .course-elsewhere");
+    const view = here?.tagName == "DIV" ? seen(document, ".jupyterlab-sidecar canvas") : here;
+    view?.scrollIntoView({ block: "nearest" });
+    return view ?? document.createElement("canvas"); }"""
 
 
 @dataclass(frozen=True)
@@ -76,24 +86,27 @@ def views(notebook: Notebook) -> Iterator[SeenView]:
     place = codes[places_of(codes)[-1]]["id"]
     cells = notebook.run_to_each("viewer", "viewer.beside()", restart_before=place)
     for number, cell in enumerate(cells):
-        view = view_of(cell)
-        view.scroll_into_view_if_needed()
-        coloured = look(view)
+        coloured = look(cell)
         is_beside = notebook.page.locator(".jupyterlab-sidecar canvas:visible").count() > 0
         yield SeenView(coloured, is_beside, notebook.ask(HIDDEN_CODE))
         if PICTURES:
             notebook.page.screenshot(path=Path(PICTURES) / f"{notebook.name[:6]}_{number:02d}.png")
 
 
-def look(view: Locator) -> int:
-    """Watch a view until it is coloured, or for a few pictures. Return the most coloured pixels."""
-    wait_until(lambda: count_pixels(view, LIT), view.page, A_FRAME)
-    most = count_pixels(view, COLOURED)
+def look(cell: Locator) -> int:
+    """Watch a cell's view until it is coloured, or for a few pictures. Return the coloured pixels."""
+
+    def count(condition: str) -> int:
+        script = f"cell => ({COUNT})(({SCROLL_TO_VIEW})(cell))"
+        return int(cell.evaluate(script.replace("CONDITION", condition)))
+
+    wait_until(lambda: count(LIT), cell.page, A_FRAME)
+    most = count(COLOURED)
     for _ in range(LOOKS):
         if most > DRAWN:
             break
-        view.page.wait_for_timeout(A_FRAME * 1000)
-        most = max(most, count_pixels(view, COLOURED))
+        cell.page.wait_for_timeout(A_FRAME * 1000)
+        most = max(most, count(COLOURED))
     return most
 
 
