@@ -144,6 +144,15 @@ def test_formula_in_the_gradebook_is_escaped(tmp_path: Path) -> None:
     )
 
 
+def test_gradebook_contains_no_control_characters_of_a_file_name(tmp_path: Path) -> None:
+    when = ReceiptTime(datetime(2026, 1, 1, tzinfo=UTC), "receipt")
+    submission = Submission("\x1b[2Jada", "week01_exercise", tmp_path / "a.ipynb", when)
+    Result(submission, "rejected", "unreadable", "\u202e\x07=1+1\x9b.ipynb").write(tmp_path)
+    assert write_gradebook(tmp_path, results_in(tmp_path)).read_text().splitlines()[1] == (
+        "ada,week01_exercise,,,,,,rejected,unreadable,'=1+1.ipynb"
+    )
+
+
 def test_check_scores_only_if_its_required_checks_pass() -> None:
     shape = Check("a cube", lambda evidence: Verdict(0.5, "half a cube"))
     rate = Check("once a second", lambda evidence: Verdict(1.0, "as expected"))

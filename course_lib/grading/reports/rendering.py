@@ -136,11 +136,16 @@ def escape_formula(value: Any) -> Any:
 
 
 def csv_of(columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:
-    """Return a CSV file in which no text is a formula; lone surrogates become question marks."""
+    """Return a CSV file without formulas and control characters.
+
+    A terminal obeys control characters if somebody prints the file. Lone surrogates become question
+    marks.
+    """
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows(map(escape_formula, row) for row in rows)
+    # A character that is removed may hide the first one of a formula.
+    writer.writerows(map(escape_formula, map(strip_control_characters, row)) for row in rows)
     return text.getvalue().encode("utf-8", "replace")
 
 
