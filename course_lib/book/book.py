@@ -184,7 +184,7 @@ def _rewrite_links(text: str, folder: Path, place: Path) -> str:
         place: The folder of the page in the book's sources.
     """
 
-    def fitted(link: re.Match[str]) -> str:
+    def adapt(link: re.Match[str]) -> str:
         before, path, after = link["before"], link["path"], link["after"]
         target = (folder / path).resolve()
         in_book = _path_in_book(target)
@@ -194,7 +194,7 @@ def _rewrite_links(text: str, folder: Path, place: Path) -> str:
             return before[1:-2]
         return link[0]
 
-    return LINK.sub(fitted, text)
+    return LINK.sub(adapt, text)
 
 
 def _path_in_book(target: Path) -> Path | None:

@@ -50,12 +50,12 @@ class Form:
 
     Args:
         widget: The widget for pages with a kernel.
-        saved: Returns HTML and text with the current answers.
+        saved_output: Returns HTML and text with the current answers.
         on_answer: Functions to call after each answer.
     """
 
     widget: Any
-    saved: Callable[[], tuple[str, str]]
+    saved_output: Callable[[], tuple[str, str]]
     on_answer: list[Callable[[], None]]
 
 
@@ -69,7 +69,7 @@ def show_form(build: Callable[[], Form], text: str) -> None:
     form = build()
 
     def bundle() -> dict[str, Any]:
-        html, plain = form.saved()
+        html, plain = form.saved_output()
         return {**form.widget._repr_mimebundle_(), "text/html": html, "text/plain": plain}
 
     handle: Any = display(bundle(), raw=True, display_id=True)
@@ -257,14 +257,14 @@ def _comparison_after_choice(key: str, question: Question, measured: str) -> For
     def comparison() -> Comparison:
         return _comparison(question, question.answer(student_state().get(SECTION, key)), measured)
 
-    def saved() -> tuple[str, str]:
+    def saved_output() -> tuple[str, str]:
         if student_state().get(SECTION, key) is None:
             return f"<p>{NO_PREDICTION}</p>", NO_PREDICTION
         return comparison().html, str(comparison())
 
     # A cell that runs again replaces its output.
     _waiting[key] = reveal
-    return Form(output, saved, on_answer)
+    return Form(output, saved_output, on_answer)
 
 
 # ipywidgets gives each option one line, of which a narrow window shows the beginning.
@@ -302,14 +302,14 @@ def _prediction_form(key: str, question: Question, saved_answer: str | None) -> 
             if reveal := _waiting.get(key):
                 reveal()
 
-    def saved() -> tuple[str, str]:
+    def saved_output() -> tuple[str, str]:
         chosen = question.answer(choice.value)
-        return _saved([AnsweredQuestion(f"Predict: {question.text}", question, chosen)])
+        return _saved_output([AnsweredQuestion(f"Predict: {question.text}", question, chosen)])
 
     choice.observe(keep, names="value")
     title = widgets.HTML(_CHOICE_STYLE + _paragraph(f"<b>Predict:</b> {question.text}"))
     form = widgets.VBox([title, choice, status])
-    return Form(form, saved, on_answer)
+    return Form(form, saved_output, on_answer)
 
 
 def _paragraph(html: str) -> str:
@@ -357,7 +357,7 @@ class AnsweredQuestion(NamedTuple):
     below: str = ""
 
 
-def _saved(rows: Sequence[AnsweredQuestion]) -> tuple[str, str]:
+def _saved_output(rows: Sequence[AnsweredQuestion]) -> tuple[str, str]:
     """Return questions as HTML and as text for pages without a kernel."""
     if all(row.chosen for row in rows):
         return _as_html(rows), _as_text(rows)
@@ -401,15 +401,15 @@ def _quiz_form(week: str, questions: tuple[Question, ...]) -> Form:
         boxes.append(box)
         choices.append(choice)
 
-    def saved() -> tuple[str, str]:
+    def saved_output() -> tuple[str, str]:
         rows: list[AnsweredQuestion] = []
         for number, (question, choice) in enumerate(zip(questions, choices, strict=True), 1):
             chosen = None if choice.index is None else question.answers[choice.index]
             below = verdict(chosen) if chosen else ""
             rows.append(AnsweredQuestion(f"{number}. {question.text}", question, chosen, below))
-        return _saved(rows)
+        return _saved_output(rows)
 
-    return Form(widgets.VBox(boxes), saved, on_answer)
+    return Form(widgets.VBox(boxes), saved_output, on_answer)
 
 
 def _question(

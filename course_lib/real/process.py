@@ -322,9 +322,9 @@ def run_on_ros(
 def _recording(graph: RobotGraph, bag: Path | None) -> AbstractContextManager[object]:
     if bag is None:
         return nullcontext()
-    from course_lib.recording import recorded
+    from course_lib.recording import record_to_bag
 
-    return recorded(graph, bag)
+    return record_to_bag(graph, bag)
 
 
 def _follow(graph: RobotGraph, programs: RealProcesses, seconds: float | None, *, shows: bool) -> None:

@@ -768,7 +768,7 @@ Stamped = Callable[[Sample], list[Sample]]
 
 
 @contextmanager
-def recorded(
+def record_to_bag(
     graph: Graph,
     folder: Path,
     chosen: Chosen = lambda topic, type_name: True,

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from course_lib.errors import CourseError
-from course_lib.recording import Recording, bag_info, read_bag, recorded, write_bag
+from course_lib.recording import Recording, bag_info, read_bag, record_to_bag, write_bag
 from course_lib.ros.graph.graph import Graph, Sample
 from course_lib.ros.graph.topics import CLOCK, tick
 from course_lib.ros.messages.definitions import is_known
@@ -84,7 +84,7 @@ def _record_live(source: Source, arguments: Namespace, write: Write, folder: Pat
     say("Listening for topics...")
     is_selected = partial(_is_recorded, arguments)
     time_topic = {CLOCK[0]} if arguments.use_sim_time else set[str]()
-    with recorded(
+    with record_to_bag(
         source.graph, folder, is_selected, lambda: known_topics | time_topic, in_sim_time=bool(time_topic)
     ):
         with until_interrupted():

@@ -62,9 +62,9 @@ def run(
         graph.pace = WallPace(graph)
     recording: AbstractContextManager[object] = nullcontext()
     if bag is not None:
-        from course_lib.recording import recorded
+        from course_lib.recording import record_to_bag
 
-        recording = recorded(graph, bag)
+        recording = record_to_bag(graph, bag)
     with recording:
         with use_graph(graph), time_lock.report_busy_main_thread(graph):
             code = run_files(

@@ -40,11 +40,11 @@ def test_comparison_hides_the_answer_until_a_prediction_is_chosen(monkeypatch: p
     compare("week01.ground", "z = 0.0 m")
     (form,) = forms
     saved: list[tuple[str, str]] = []
-    form.on_answer.append(lambda: saved.append(form.saved()))
+    form.on_answer.append(lambda: saved.append(form.saved_output()))
     right = read_prediction("week01.ground").right
     assert right.text not in form.widget.value
-    assert right.text not in form.saved()[1]
-    assert right.text not in form.saved()[0]
+    assert right.text not in form.saved_output()[1]
+    assert right.text not in form.saved_output()[0]
     choose(WRONG)
     assert f"You predicted: {WRONG}." in form.widget.value
     assert f"What happened: {RIGHT}." in form.widget.value

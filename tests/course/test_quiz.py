@@ -75,15 +75,15 @@ def test_answer_is_stored_and_shown_on_pages_without_a_kernel(
     form.widget.children[1].children[1].index = questions[1].answers.index(right)
     assert calls == [1]
     for shown in (form, _quiz_form("week01", questions)):
-        html, text = shown.saved()
+        html, text = shown.saved_output()
         assert f"◉ <b>{escape(right.text)}</b>" in html
         assert html.count("◉") == 1
         assert escape(verdict(right)) in html
         assert f"(x) {right.text}" in text
-    assert "◉" not in _quiz_form("week02", read_quiz("week02")).saved()[0]
+    assert "◉" not in _quiz_form("week02", read_quiz("week02")).saved_output()[0]
     others = tuple(Answer(f"new {one.text}", one.reason, one.right) for one in questions[1].answers)
     changed = (questions[0], Question(questions[1].text, others))
-    assert "◉" not in _quiz_form("week01", changed).saved()[0]
+    assert "◉" not in _quiz_form("week01", changed).saved_output()[0]
 
 
 def test_questions_without_an_answer_state_how_to_answer_on_pages_without_a_kernel(
@@ -94,6 +94,6 @@ def test_questions_without_an_answer_state_how_to_answer_on_pages_without_a_kern
     questions = read_quiz("week01_recall")
     form = _quiz_form("week01_recall", questions)
     for number, question in enumerate(questions):
-        assert all(HOW_TO_ANSWER in part for part in form.saved())
+        assert all(HOW_TO_ANSWER in part for part in form.saved_output())
         form.widget.children[number].children[1].index = question.answers.index(question.right)
-    assert not any(HOW_TO_ANSWER in part for part in form.saved())
+    assert not any(HOW_TO_ANSWER in part for part in form.saved_output())

@@ -190,7 +190,9 @@ class GraphView(RqtView):
         topics = {name for edge in edges for name in edge} - nodes
         endpoints = self._endpoints().items()
         # The topics on which some publisher does not match some subscription.
-        bad_topics = {t for t, e in endpoints for a in e for b in e if a.kind < b.kind and _mismatch(a, b)}
+        bad_topics = {
+            t for t, e in endpoints for a in e for b in e if a.kind < b.kind and _has_incompatible_qos(a, b)
+        }
         names = {name: name.strip() + _BAD_QOS * (name[1:] in bad_topics) for name in sorted(nodes | topics)}
         if not names:
             return "<p>There is no node. Create one, like node = MyNode().</p>"
@@ -245,7 +247,7 @@ class GraphView(RqtView):
                 pairs = ((a, b) for a in endpoints for b in endpoints if (a.kind, b.kind) == ("pub", "sub"))
                 for a, b in pairs:
                     lines = edges.setdefault((names[a.node], names[b.node]), [])
-                    line = topic + _BAD_QOS * _mismatch(a, b)
+                    line = topic + _BAD_QOS * _has_incompatible_qos(a, b)
                     lines += [line] if line not in lines else []
             else:
                 for info in endpoints:
@@ -254,7 +256,7 @@ class GraphView(RqtView):
         return edges
 
 
-def _mismatch(publisher: EndpointInfo, subscription: EndpointInfo) -> bool:
+def _has_incompatible_qos(publisher: EndpointInfo, subscription: EndpointInfo) -> bool:
     """Return whether two endpoints are on the same topic but with incompatible QoS policies."""
     same = publisher.topic == subscription.topic
     return same and bool(find_incompatible_policy(publisher.qos, subscription.qos))

@@ -78,8 +78,8 @@ class ConsoleView(RqtView):
             (number, log)
             for number, log in reversed(self._logs)
             if self[_SEVERITIES.get(log.level, _SEVERITIES[20])[0]]
-            and self._has("Node", log.name)
-            and self._has("Text", log.msg)
+            and self._matches("Node", log.name)
+            and self._matches("Text", log.msg)
         ]
         more = f", the newest {_LOGS_SHOWN} of them here" if len(matching) > _LOGS_SHOWN else ""
         count = f"<p class='rqt-dim'>Displaying {len(matching)} of {len(self._logs)} messages{more}</p>"
@@ -87,13 +87,13 @@ class ConsoleView(RqtView):
             _LOG_HEADS, [self._row(*entry) for entry in matching[:_LOGS_SHOWN]], "Log messages"
         )
 
-    def _has(self, control: str, text: str) -> bool:
+    def _matches(self, control: str, text: str) -> bool:
         return self[control].lower() in text.lower()
 
     def _row(self, number: int, log: Any) -> list[str]:
         severity, sign = _SEVERITIES.get(log.level, _SEVERITIES[20])
         message = escape(log.msg)
-        if self["Highlight"] and self._has("Highlight", log.msg):
+        if self["Highlight"] and self._matches("Highlight", log.msg):
             message = f"<mark>► {message}</mark>"
         stamp = f"{log.stamp.sec}.{log.stamp.nanosec:09d}"
         location = escape(f"{log.file}:{log.function}:{log.line}")

@@ -8,7 +8,7 @@ import pytest
 from std_msgs.msg import String
 
 from course_lib.errors import CourseError
-from course_lib.recording import BagWriter, read_bag, recorded
+from course_lib.recording import BagWriter, read_bag, record_to_bag
 from course_lib.ros.messages import serialize
 from course_lib.ros.robot.robot_graph import RobotGraph
 from tests.ros.zenoh.conftest import Kits
@@ -40,7 +40,7 @@ def test_bag_of_a_link_is_written_while_recording_and_includes_earlier_latched_m
     def has_both() -> bool:
         return file.stat().st_size > 10 * len(LARGE) and b"the map" in file.read_bytes()
 
-    with recorded(student, folder):
+    with record_to_bag(student, folder):
         heard(kits, robot, out, has_both)
     recording = read_bag(folder)
     assert {topic.name for topic in recording.topics()} == {"/flood", "/map"}
@@ -52,7 +52,7 @@ def test_bag_of_a_link_is_written_while_recording_and_includes_earlier_latched_m
 def test_only_recorded_topics_are_subscribed(kits: Kits, tmp_path: Path) -> None:
     robot, student = kits.join(send="/chatter /image"), kits.join()
     out, _ = talker(robot, "/chatter"), talker(robot, "/image")
-    with recorded(student, tmp_path / "bag", lambda topic, _: topic == "/chatter", lambda: ["/chatter"]):
+    with record_to_bag(student, tmp_path / "bag", lambda topic, _: topic == "/chatter", lambda: ["/chatter"]):
         kits.until(lambda: "/chatter" in topics(robot, "sub"), "the subscription")
         heard(kits, robot, out, lambda: (tmp_path / "bag" / "bag.mcap").stat().st_size > len(LARGE))
         assert "/image" not in topics(robot, "sub")
@@ -75,7 +75,7 @@ def test_full_disk_ends_the_bag_but_not_the_link(
     monkeypatch.setattr(BagWriter, "write", write_one)
 
     def fill() -> None:
-        with recorded(student, tmp_path / "bag"):
+        with record_to_bag(student, tmp_path / "bag"):
             for _ in range(3):
                 say(student, out, "hello")
 
@@ -84,8 +84,8 @@ def test_full_disk_ends_the_bag_but_not_the_link(
     monkeypatch.undo()
     shutil.rmtree(tmp_path / "bag")
     (tmp_path / "bag").mkdir()
-    with recorded(student, tmp_path / "bag"):  # an empty folder is free
+    with record_to_bag(student, tmp_path / "bag"):  # an empty folder is free
         say(student, out, "hello")
     assert len(read_bag(tmp_path / "bag").samples) == 1
-    with pytest.raises(CourseError, match="already exists"), recorded(student, tmp_path / "bag"):
+    with pytest.raises(CourseError, match="already exists"), record_to_bag(student, tmp_path / "bag"):
         pass

@@ -43,7 +43,7 @@ class GenericAnalyzer:
     """
 
     def __init__(self, path: str, parameters: Parameters) -> None:
-        settings = checked(parameters, GENERIC)
+        settings = validate_parameters(parameters, GENERIC)
         self.name = settings["path"]
         self.path = f"{path}/{self.name}"
         prefixes = settings["find_and_remove_prefix"]
@@ -185,7 +185,7 @@ KINDS: dict[str, type[GenericAnalyzer | AnalyzerGroup]] = {
 }
 
 
-def checked(parameters: Parameters, table: _Table) -> dict[str, Any]:
+def validate_parameters(parameters: Parameters, table: _Table) -> dict[str, Any]:
     """Return the values of a table's parameters, or their defaults.
 
     A value of another type raises a CourseError. On a robot the node exits with the same first
@@ -259,7 +259,7 @@ class Aggregator(Node):
         options["automatically_declare_parameters_from_overrides"] = True
         super().__init__("analyzers", **options)
         parameters = {name: p.value for name, p in self.get_parameters_by_prefix("").items()}
-        settings = checked(parameters, AGGREGATOR)
+        settings = validate_parameters(parameters, AGGREGATOR)
         path = f"/{settings['path']}" if settings["path"] else ""
         self._group = AnalyzerGroup(path, parameters)
         self._other = GenericAnalyzer(path, {"path": "Other", "discard_stale": True, "startswith": [""]})
