@@ -368,8 +368,14 @@ class ProgramNodes:
     ids: set[int] = field(default_factory=set)
     # The full names, by id, of nodes with ready entities that were never added to an executor.
     unspun: dict[int, str] = field(default_factory=dict)
-    # The errors that stopped live nodes, by full name, until a node of the same name is spun.
+    # The errors that stopped live nodes, by full name. Nodes of one run have the same error.
     errors: dict[str, str] = field(default_factory=dict)
+
+    def forget_error(self, full_name: str) -> None:
+        """Remove the error of a run, because one of its nodes, or one of its name, is spun."""
+        error = self.errors.get(full_name)
+        if error is not None:
+            self.errors = {name: other for name, other in self.errors.items() if other != error}
 
 
 class _ProgramName(threading.local):

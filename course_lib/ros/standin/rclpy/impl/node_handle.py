@@ -142,7 +142,7 @@ class NodeHandle:
         self._executor = None if executor is None else weakref.ref(executor)
         self.graph.state(ProgramNodes).unspun.pop(self.id, None)
         if executor is not None:
-            self.graph.state(ProgramNodes).errors.pop(self.full_name, None)
+            self.graph.state(ProgramNodes).forget_error(self.full_name)
 
     @property
     def full_name(self) -> str:
