@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from io import BytesIO
 from math import atan
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -110,8 +110,10 @@ def rgb_of(message: Any, limits: Limits) -> Pixels:
     return pixels[..., kind.channels]
 
 
-def decode_compressed(message: Any, limits: Limits) -> Pixels:
+def decode_compressed(message: Any, limits: Limits, mode: Literal["RGB", "RGBA"] = "RGB") -> Pixels:
     """Return the pixels of a sensor_msgs/msg/CompressedImage, PNG or JPEG; see `rgb_of`.
+
+    With 16 bits per pixel it has no alpha.
 
     Raises:
         ValueError: It is not an image.
@@ -123,7 +125,7 @@ def decode_compressed(message: Any, limits: Limits) -> Pixels:
             # The image has 16 bits per pixel.
             if picture.mode.startswith("I"):
                 return _scale_to_bytes(np.asarray(picture)[..., None], limits)[..., _GREY]
-            return np.asarray(picture.convert("RGB"))
+            return np.asarray(picture.convert(mode))
     except Image.DecompressionBombError as error:
         raise ValueError(f"the image is too large: {error}") from error
     except (UnidentifiedImageError, OSError) as error:

@@ -24,6 +24,7 @@ from course_lib.displays.display import (
     topic_properties,
 )
 from course_lib.displays.frames import NS, is_unit, nanoseconds, pose_in_fixed_frame
+from course_lib.displays.images import decode_compressed
 from course_lib.displays.properties import Property, booleans
 from course_lib.displays.shapes import (
     ALONG_X,
@@ -47,6 +48,7 @@ from course_lib.viewer.drawables import (
     Spot,
     Text,
     load_mesh,
+    subdivide,
 )
 from course_lib.viewer.encoding import missing_characters
 
@@ -243,10 +245,61 @@ def triangles(marker: Any) -> MarkerDrawing:
             f"TriMesh marker [{label(marker)}] has a point count which is not divisible by 3 [{count}]"
         )
     scale = scale_of(marker)
+    status: tuple[Level, str] | None = None if scale.all() else _FLAT
+    textured = _textured_triangles(marker, scale)
+    if textured is not None:
+        return MarkerDrawing({"mesh": textured}, status)
     each = _colors(marker)
     lit = each is None
     mesh = Mesh(points_of(marker) * scale, None, rgba(marker.color) if each is None else each, lit=lit)
-    return MarkerDrawing({"mesh": mesh}, None if scale.all() else ("warn", "Scale of 0 in one of x/y/z"))
+    return MarkerDrawing({"mesh": mesh}, status)
+
+
+_EMBEDDED = "embedded://"
+# The number of steps along a side of a textured triangle, of which each shows one color.
+_TEXTURE_STEPS = 160
+
+
+def _textured_triangles(marker: Any, scale: Floats) -> Mesh | None:
+    """Return small triangles in the colors of the embedded texture, or None if RViz draws none.
+
+    The texture is repeated beyond 0 and 1, and v is 0 at the top of the image. A single color of
+    the marker multiplies it; the colors of points have no effect.
+    """
+    if not marker.texture_resource.startswith(_EMBEDDED) or not _uv_fits(marker):
+        return None
+    try:
+        pixels = decode_compressed(marker.texture, lambda values: (0.0, 65535.0), "RGBA")
+    except ValueError:
+        return None
+    uv = np.nan_to_num(fields_of(marker.uv_coordinates, "u", "v")).reshape(-1, 3, 2)
+    # Moved inwards a little, so that a corner at 1 has the color of the last column, not the first.
+    uv += 1e-6 * (uv.mean(axis=1, keepdims=True) - uv)
+    points = (points_of(marker) * scale).reshape(-1, 3, 3)
+    vertices, at, faces = subdivide(points, uv, _TEXTURE_STEPS)
+    rows, columns = pixels.shape[:2]
+    places = np.minimum((at % 1.0 * (columns, rows)).astype(int), (columns - 1, rows - 1))
+    colors = np.ones((len(vertices), 4))
+    colors[:, : pixels.shape[2]] = pixels[places[:, 1], places[:, 0]] / 255
+    if not has_colors(marker) and not has_face_colors(marker):
+        colors *= rgba(marker.color)
+    return Mesh(vertices, faces, colors)
+
+
+def _uv_fits(marker: Any) -> bool:
+    """Return whether there is one texture coordinate per point, as RViz requires."""
+    return len(marker.uv_coordinates) == len(marker.points)
+
+
+def _is_broken_texture(marker: Any) -> bool:
+    """Return whether RViz looks for an embedded texture that is not an image."""
+    if not marker.texture_resource.startswith(_EMBEDDED) or not _uv_fits(marker):
+        return False
+    try:
+        decode_compressed(marker.texture, lambda values: (0.0, 65535.0))
+    except ValueError:
+        return True
+    return False
 
 
 def has_face_colors(marker: Any) -> bool:
@@ -368,8 +421,19 @@ _RULES = (
     Rule(lambda m: m.type == _TEXT and not m.text, "text is empty: nothing is drawn."),
     Rule(lambda m: m.type == _MESH and not m.mesh_resource, "mesh_resource is empty: nothing is drawn."),
     Rule(
-        lambda m: m.type == _TRIANGLES and bool(m.texture_resource),
-        "textures are not drawn here; RViz2 draws them.",
+        lambda m: (
+            m.type == _TRIANGLES and bool(m.texture_resource) and not m.texture_resource.startswith(_EMBEDDED)
+        ),
+        "texture_resource is {m.texture_resource!r}: RViz2 draws a texture only if the name begins with "
+        "embedded:// and the field texture has the image.",
+    ),
+    Rule(
+        lambda m: m.type == _TRIANGLES and bool(m.texture_resource) and not _uv_fits(m),
+        "uv_coordinates does not have one entry for each point, so RViz2 ignores the texture.",
+    ),
+    Rule(
+        lambda m: m.type == _TRIANGLES and _is_broken_texture(m),
+        "texture.data is not a PNG or JPEG file, so the texture is not drawn.",
     ),
     Rule(
         _is_zero,

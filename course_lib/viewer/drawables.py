@@ -402,6 +402,36 @@ class MeshFileError(CourseError):
     """Raised for a mesh file that cannot be read."""
 
 
+# Vertices, shape (V, 3), texture coordinates, shape (V, 2), and faces, shape (F, 3).
+Surface: TypeAlias = tuple[Floats, Floats, Floats]
+# About the number of triangles into which a textured surface is divided.
+_SMALL_TRIANGLES = 50_000
+
+
+def subdivide(points: Floats, coordinates: Floats, most_steps: int) -> Surface:
+    """Divide triangles into small ones, so that the colors of their vertices show a texture.
+
+    Args:
+        points: The corners of each triangle, shape (F, 3, 3).
+        coordinates: Their texture coordinates, shape (F, 3, 2).
+        most_steps: The limit for the number of steps along each side.
+    """
+    steps = int(np.clip(np.sqrt(_SMALL_TRIANGLES / max(len(points), 1)), 1, most_steps))
+    # The points that subdivide a triangle, as weights of its corners, and the small triangles.
+    pairs = [(i, j) for i in range(steps + 1) for j in range(steps + 1 - i)]
+    number = {pair: index for index, pair in enumerate(pairs)}
+    weights = np.array([(steps - i - j, i, j) for i, j in pairs], float) / steps
+    upright = [(number[i, j], number[i + 1, j], number[i, j + 1]) for i, j in pairs if i + j < steps]
+    inverted = [
+        (number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]) for i, j in pairs if i + j < steps - 1
+    ]
+    faces = np.array(upright + inverted)
+    many = (np.einsum("wc,fcx->fwx", weights, part) for part in (points, coordinates))
+    vertices, places = (part.reshape(-1, part.shape[-1]) for part in many)
+    starts = np.arange(len(points)) * len(weights)
+    return vertices, places, (starts[:, None, None] + faces).reshape(-1, 3)
+
+
 def load_mesh(path: Path) -> Mesh:
     """Read a DAE, STL or OBJ file. As in RViz, its unit is applied, but not its up axis.
 

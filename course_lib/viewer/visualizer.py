@@ -28,8 +28,6 @@ from course_lib.viewer.renderer import screenshot
 from course_lib.viewer.scene import Scene, describe_scene
 
 Json: TypeAlias = Mapping[str, Any]
-# Vertices, shape (V, 3), texture coordinates, shape (V, 2), and faces, shape (F, 3).
-Surface: TypeAlias = tuple[Floats, Floats, Floats]
 
 # The number of steps along each side of a surface.
 _STEPS = 48
@@ -82,7 +80,7 @@ def textured_mesh(
     return drawables.Mesh(transformed, faces, colors, lit=material.get("type") != "MeshBasicMaterial")
 
 
-def _grid(place: Callable[[Floats, Floats], Floats]) -> Surface:
+def _grid(place: Callable[[Floats, Floats], Floats]) -> drawables.Surface:
     """Return a surface over u and v from 0 to 1; `place` computes its points, shape (V, 3)."""
     u, v = (part.ravel() for part in np.meshgrid(*[np.linspace(0, 1, _STEPS + 1)] * 2))
     corner = (np.arange(_STEPS)[:, None] * (_STEPS + 1) + np.arange(_STEPS)).ravel()
@@ -91,7 +89,7 @@ def _grid(place: Callable[[Floats, Floats], Floats]) -> Surface:
     return place(u, v), np.column_stack([u, v]), faces
 
 
-def _merge_surfaces(*surfaces: Surface) -> Surface:
+def _merge_surfaces(*surfaces: drawables.Surface) -> drawables.Surface:
     starts = np.cumsum([0, *(len(vertices) for vertices, _, _ in surfaces[:-1])])
     return (
         np.concatenate([vertices for vertices, _, _ in surfaces]),
@@ -100,7 +98,7 @@ def _merge_surfaces(*surfaces: Surface) -> Surface:
     )
 
 
-def _box(box: Json) -> Surface:
+def _box(box: Json) -> drawables.Surface:
     """Return six sides, each with the whole image, oriented like three.js's BoxGeometry."""
     half = np.array([box["width"], box["height"], box["depth"]], float) / 2
     # The axes of u, v and of the side, with their directions; v points up in the picture.
@@ -109,7 +107,7 @@ def _box(box: Json) -> Surface:
         (0, 1, 2, 1, 1, -1), (0, 1, 1, 1, 2, 1), (0, -1, 1, 1, 2, -1),
     )  # fmt: skip
 
-    def side(u_axis: int, u_sign: int, v_axis: int, v_sign: int, axis: int, sign: int) -> Surface:
+    def side(u_axis: int, u_sign: int, v_axis: int, v_sign: int, axis: int, sign: int) -> drawables.Surface:
         def place(u: Floats, v: Floats) -> Floats:
             points = np.empty((len(u), 3))
             points[:, u_axis] = (2 * u - 1) * half[u_axis] * u_sign
@@ -122,7 +120,7 @@ def _box(box: Json) -> Surface:
     return _merge_surfaces(*(side(*axes) for axes in sides))
 
 
-def _sphere(ball: Json) -> Surface:
+def _sphere(ball: Json) -> drawables.Surface:
     def place(u: Floats, v: Floats) -> Floats:
         around, down = 2 * np.pi * u, np.pi * (1 - v)
         directions = [-np.cos(around) * np.sin(down), np.cos(down), np.sin(around) * np.sin(down)]
@@ -132,14 +130,14 @@ def _sphere(ball: Json) -> Surface:
     return _grid(place)
 
 
-def _cylinder_surface(cylinder: Json) -> Surface:
+def _cylinder_surface(cylinder: Json) -> drawables.Surface:
     top, bottom, height = (float(cylinder[name]) for name in ("radiusTop", "radiusBottom", "height"))
 
     def wall(u: Floats, v: Floats) -> Floats:
         radius, around = bottom + (top - bottom) * v, 2 * np.pi * u
         return np.column_stack([radius * np.sin(around), (v - 0.5) * height, radius * np.cos(around)])
 
-    def cap(radius: float, sign: float) -> Surface:
+    def cap(radius: float, sign: float) -> drawables.Surface:
         points, polar, faces = _grid(
             lambda u, v: np.column_stack(
                 [
@@ -156,7 +154,7 @@ def _cylinder_surface(cylinder: Json) -> Surface:
     return _merge_surfaces(_grid(wall), cap(top, 1.0), cap(bottom, -1.0))
 
 
-def _triangles(geometry: Json) -> Surface:
+def _triangles(geometry: Json) -> drawables.Surface:
     """Return the triangles of a BufferGeometry, subdivided into small ones.
 
     Without uv, the result is empty.
@@ -169,23 +167,10 @@ def _triangles(geometry: Json) -> Surface:
     index = geometry["data"].get("index")
     order = np.arange(len(points)) if index is None else np.frombuffer(index["array"].data, np.uint32)
     corners = order.reshape(-1, 3)
-    steps = int(np.clip(np.sqrt(50_000 / max(len(corners), 1)), 1, _STEPS))
-    # The points that subdivide a triangle, as weights of its corners, and the small triangles.
-    pairs = [(i, j) for i in range(steps + 1) for j in range(steps + 1 - i)]
-    number = {pair: index for index, pair in enumerate(pairs)}
-    weights = np.array([(steps - i - j, i, j) for i, j in pairs], float) / steps
-    upright = [(number[i, j], number[i + 1, j], number[i, j + 1]) for i, j in pairs if i + j < steps]
-    inverted = [
-        (number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]) for i, j in pairs if i + j < steps - 1
-    ]
-    faces = np.array(upright + inverted)
-    many = (np.einsum("wc,fcx->fwx", weights, part[corners]) for part in (points, coordinates))
-    vertices, places = (part.reshape(-1, part.shape[-1]) for part in many)
-    starts = np.arange(len(corners)) * len(weights)
-    return vertices, places, (starts[:, None, None] + faces).reshape(-1, 3)
+    return drawables.subdivide(points[corners], coordinates[corners], _STEPS)
 
 
-_SURFACES: Mapping[str, Callable[[Json], Surface]] = {
+_SURFACES: Mapping[str, Callable[[Json], drawables.Surface]] = {
     "BoxGeometry": _box,
     "PlaneGeometry": lambda plane: _grid(
         lambda u, v: np.column_stack(

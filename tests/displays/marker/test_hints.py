@@ -3,13 +3,14 @@ from typing import Any
 import pytest
 from geometry_msgs.msg import Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA
-from visualization_msgs.msg import Marker
+from visualization_msgs.msg import Marker, UVCoordinate
 
 from course_lib.displays.markers import hints
 from tests.displays.bench import marker, points
 
 TWO = points((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
 THREE = [*TWO, *points((0.0, 1.0, 0.0))]
+CORNERS = [UVCoordinate(), UVCoordinate(u=1.0), UVCoordinate(v=1.0)]
 RED = ColorRGBA(r=1.0, a=1.0)
 FLAT = Vector3()
 
@@ -34,7 +35,21 @@ SILENT: dict[str, tuple[int, dict[str, Any], str]] = {
     ),
     "no text": (Marker.TEXT_VIEW_FACING, {}, "text is empty"),
     "no mesh": (Marker.MESH_RESOURCE, {}, "mesh_resource is empty"),
-    "texture": (Marker.TRIANGLE_LIST, {"points": THREE, "texture_resource": "embedded://a"}, "textures"),
+    "texture in a file": (
+        Marker.TRIANGLE_LIST,
+        {"points": THREE, "texture_resource": "file:///a.png", "uv_coordinates": CORNERS},
+        "only if the name begins with embedded://",
+    ),
+    "texture without coordinates": (
+        Marker.TRIANGLE_LIST,
+        {"points": THREE, "texture_resource": "embedded://a"},
+        "one entry for each point",
+    ),
+    "texture that is not an image": (
+        Marker.TRIANGLE_LIST,
+        {"points": THREE, "texture_resource": "embedded://a", "uv_coordinates": CORNERS},
+        "not a PNG or JPEG file",
+    ),
     "arrow strip": (Marker.ARROW_STRIP, {}, "Unknown marker type: 12"),
     "no rotation": (
         Marker.CUBE,
