@@ -408,7 +408,7 @@ Surface: TypeAlias = tuple[Floats, Floats, Floats]
 _SMALL_TRIANGLES = 50_000
 
 
-def subdivide(points: Floats, coordinates: Floats, most_steps: int) -> Surface:
+def subdivide(points: Reals, coordinates: Reals, most_steps: int) -> Surface:
     """Divide triangles into small ones, so that the colors of their vertices show a texture.
 
     Args:
