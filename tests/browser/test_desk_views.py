@@ -221,3 +221,36 @@ def test_fps_view_moves_by_the_same_step_after_it_has_looked_at_a_point(bench: B
     canvas.press("-")
     away = 5.0 + 10 * (math.exp(0.12) - 1)
     bench.host.wait_until(lambda: bench.viewer.view["Position"][0] == pytest.approx(away, abs=0.01))
+
+
+def touch(bench: Bench, *steps: tuple[tuple[int, int], ...]) -> None:
+    """Put fingers on the view, move them from step to step, and lift them.
+
+    A step has a position `right`, `down` of the middle for each finger, in pixels.
+    """
+    box = bench.page.locator("canvas").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    session = bench.page.context.new_cdp_session(bench.page)
+    session.send("Emulation.setTouchEmulationEnabled", {"enabled": True, "maxTouchPoints": 2})
+    kinds = ["touchStart", *["touchMove"] * (len(steps) - 1), "touchEnd"]
+    for kind, step in zip(kinds, [*steps, ()], strict=True):
+        fingers = [{"x": x + right, "y": y + down, "id": i} for i, (right, down) in enumerate(step)]
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": fingers})
+    session.send("Emulation.setTouchEmulationEnabled", {"enabled": False})
+    bench.host.carry()
+
+
+def test_one_finger_turns_a_view_and_two_fingers_zoom_and_pan_it(bench: Bench) -> None:
+    show_view(bench, Orbit(distance=8.0, yaw=0.5, pitch=0.5))
+    touch(bench, ((0, 0),), ((50, 0),), ((100, 0),))
+    rests_at(bench, "Yaw", 0.0)
+    touch(bench, ((-50, 0), (50, 0)), ((-75, 0), (75, 0)), ((-100, 0), (100, 0)))
+    rests_at(bench, "Distance", 4.0)
+    # The fingers move one after the other, so the second pans back a little less than the first.
+    assert bench.viewer.view["Focal Point"] == pytest.approx((0, 0, 0), abs=0.1)
+    touch(bench, ((-50, 0), (50, 0)), ((-50, 40), (50, 40)))
+    bench.host.wait_until(lambda: bench.viewer.view["Focal Point"][2] > 0.2)
+    view = bench.viewer.view
+    turned = view["Yaw"], view["Pitch"], view["Distance"]
+    assert turned == pytest.approx((0.0, 0.5, 4.0), abs=0.01)

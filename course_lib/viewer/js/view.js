@@ -169,8 +169,12 @@ export class View {
       this.canvas.addEventListener(name, (event) => this.handleByTool?.(event) || act(event), { passive: false });
     /** @type {{x: number, y: number, distance: number, button: number} | null} */
     let press = null;
+    /** @type {Map<number, PointerEvent>} the fingers on the view, by the ids of their pointers */
+    const fingers = new Map();
     on("pointerdown", (event) => {
-      press = { x: event.clientX, y: event.clientY, distance: 0, button: buttonOf(event) };
+      if (event.pointerType === "touch") fingers.set(event.pointerId, event);
+      const { clientX: x, clientY: y } = event;
+      press = fingers.size > 1 ? null : { x, y, distance: 0, button: buttonOf(event) };
       this.showFocus(true);
       this.canvas.setPointerCapture(event.pointerId);
       this.canvas.focus({ preventScroll: true });
@@ -179,6 +183,7 @@ export class View {
     this.canvas.addEventListener("pointerleave", () => (this.pointer = null));
     this.canvas.addEventListener("pointermove", (event) => (this.pointer = event));
     on("pointermove", (event) => {
+      if (fingers.size > 1) this.pinch(fingers, event);
       if (!press) return;
       const [dx, dy] = [event.clientX - press.x, event.clientY - press.y];
       press = { ...press, x: event.clientX, y: event.clientY, distance: press.distance + Math.hypot(dx, dy) };
@@ -186,11 +191,13 @@ export class View {
       this.drag(press.button, dx, dy, [event.clientX - box.left, event.clientY - box.top]);
     });
     on("pointerup", (event) => {
+      fingers.delete(event.pointerId);
       if (press && press.distance < CLICK) this.options.onClick?.(this.pick(event));
       press = null;
       this.showFocus(false);
     });
-    on("pointercancel", () => {
+    on("pointercancel", (event) => {
+      fingers.delete(event.pointerId);
       press = null;
       this.showFocus(false);
     });
@@ -222,6 +229,22 @@ export class View {
     else if (button === 3 && this.orbit.hasDolly) this.orbit.dolly(dy * 0.01);
     else this.orbit.zoom(Math.exp(dy * 0.01));
     this.onTurned();
+  }
+
+  /**
+   * Zoom by the distance of two fingers, and pan by their middle.
+   * @param {Map<number, PointerEvent>} fingers @param {PointerEvent} event of one of them
+   */
+  pinch(fingers, event) {
+    const before = fingers.get(event.pointerId);
+    const other = [...fingers.values()].find(({ pointerId }) => pointerId !== event.pointerId);
+    if (!before || !other) return;
+    fingers.set(event.pointerId, event);
+    const [from, to] = [before, event].map((at) => Math.hypot(at.clientX - other.clientX, at.clientY - other.clientY));
+    if (from && to) this.drag(2, 0, 100 * Math.log(from / to));
+    const box = this.canvas.getBoundingClientRect();
+    const middle = [(event.clientX + other.clientX) / 2 - box.left, (event.clientY + other.clientY) / 2 - box.top];
+    this.drag(1, (event.clientX - before.clientX) / 2, (event.clientY - before.clientY) / 2, middle);
   }
 
   /** @param {boolean} isShown whether a disc marks the focal point, as in RViz while a button is pressed */
