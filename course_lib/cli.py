@@ -876,7 +876,7 @@ def main() -> None:
     try:
         code = app(args=arguments or ["--help"], obj=for_programs, standalone_mode=False, prog_name="course")
     except CourseError as error:
-        _fail(str(error), debug)
+        _fail(str(error), debug, error.exit_code)
     # An invalid option or argument.
     except TyperException as error:
         context = getattr(error, "ctx", None)
@@ -905,7 +905,7 @@ def _split(arguments: list[str]) -> tuple[list[str], list[str]]:
     return arguments[:place], program_arguments[program_arguments[:1] == ["--"] :]
 
 
-def _fail(message: str, debug: bool) -> NoReturn:
+def _fail(message: str, debug: bool, exit_code: int = usual_commands.UNUSABLE) -> NoReturn:
     if debug:
         raise
-    usual_commands.fail(message)
+    usual_commands.fail(message, exit_code)

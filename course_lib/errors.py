@@ -21,6 +21,9 @@ class CourseError(Exception):
     it are shortened.
     """
 
+    # Exit code of the command that the error ends.
+    exit_code = 2
+
     def __init__(self, *arguments: object) -> None:
         super().__init__(*(shorten_words(text) if isinstance(text, str) else text for text in arguments))
 

@@ -91,7 +91,7 @@ def call(command: Callable[[], int]) -> NoReturn:
     try:
         code = command()
     except CourseError as error:
-        fail(str(error))
+        fail(str(error), error.exit_code)
     except OSError as error:
         fail(f"{error.filename}: {error.strerror}. Correct this, or choose another file or folder.")
     except KeyboardInterrupt:
@@ -99,10 +99,10 @@ def call(command: Callable[[], int]) -> NoReturn:
     sys.exit(code)
 
 
-def fail(message: str) -> NoReturn:
+def fail(message: str, exit_code: int = UNUSABLE) -> NoReturn:
     """Print an error as one line, and exit."""
     sys.stderr.write(f"error: {' '.join(message.split())}\n")
-    sys.exit(UNUSABLE)
+    sys.exit(exit_code)
 
 
 def _seconds(text: str) -> float:

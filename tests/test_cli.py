@@ -68,7 +68,6 @@ def bad_inputs(tmp_path: Path) -> Path:
         "ros2 topic list",
         "ros2 --bag missing topic list",
         "ros2 --run {program} --bag missing topic list",
-        "ros2 --run {program} run tf2_ros tf2_ecko a b",
         "check missing.ipynb",
         "check folder",
         "check broken.ipynb",
@@ -92,6 +91,15 @@ def test_invalid_input_gives_a_one_line_error_and_exit_code_2(
     assert "Traceback" not in process.stdout + process.stderr
     (line,) = process.stderr.splitlines()
     assert line.startswith("error: ")
+
+
+def test_ros2_command_that_fails_gives_a_one_line_error_and_exit_code_1(
+    bad_inputs: Path, in_process: Callable[..., Typed]
+) -> None:
+    words = f"ros2 --run {PROGRAM} run tf2_ros tf2_ecko a b"
+    process = in_process(*words.split(), cwd=bad_inputs)
+    (line,) = process.stderr.splitlines()
+    assert (process.returncode, line.startswith("error: ")) == (1, True)
 
 
 def test_installed_command_rejects_invalid_input_with_exit_code_2(bad_inputs: Path) -> None:

@@ -233,7 +233,7 @@ def _list_nodes(source: Source, arguments: Namespace, write: Write) -> None:
         write(f"{len(names)}\n")
         return
     if len(set(names)) < len(names):
-        write(
+        sys.stderr.write(
             "WARNING: Be aware that there are nodes in the graph that share an exact name, which can have "
             "unintended side effects.\n"
         )
@@ -247,7 +247,7 @@ def _print_node_info(source: Source, arguments: Namespace, write: Write) -> None
     if not node_ids:
         raise CourseError(f"Unable to find node '{node_name}'{did_you_mean(node_name, dict(nodes).values())}")
     if len(node_ids) > 1:
-        write(
+        sys.stderr.write(
             f'There are {len(node_ids)} nodes in the graph with the exact name "{node_name}". You are seeing '
             "information about only one of them.\n"
         )
@@ -333,7 +333,8 @@ def _change_state(source: Source, arguments: Namespace, write: Write) -> None:
     is_changed = _call_lifecycle_service(
         source, node, "ChangeState", "change_state", transition=matching[0]
     ).success
-    write(f"Transitioning {'successful' if is_changed else 'failed'}\n")
+    write_line = write if is_changed else sys.stderr.write
+    write_line(f"Transitioning {'successful' if is_changed else 'failed'}\n")
 
 
 def _transitions(source: Source, node: str, service: str) -> Any:

@@ -1,6 +1,7 @@
 """`ros2 param`, over the nodes' parameter services."""
 
 import re
+import sys
 from argparse import Namespace
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -67,7 +68,7 @@ def _set_one(source: Source, arguments: Namespace, write: Write) -> None:
     with parameter_client(source, arguments.node_name) as ask:
         (result,) = ask("set_parameters", [new]).results
     outcome = "Set parameter successful" if result.successful else "Setting parameter failed"
-    write(_format_result(outcome, result))
+    _write_result(outcome, result, write)
 
 
 def _describe(source: Source, arguments: Namespace, write: Write) -> None:
@@ -119,14 +120,14 @@ def _load(source: Source, arguments: Namespace, write: Write) -> None:
         results = ask("set_parameters", list(parameters.values())).results
     for name, result in zip(parameters, results, strict=True):
         outcome = f"Set parameter {name} {'successful' if result.successful else 'failed'}"
-        write(_format_result(outcome, result))
+        _write_result(outcome, result, write)
 
 
 def _delete(source: Source, arguments: Namespace, write: Write) -> None:
     with parameter_client(source, arguments.node_name) as ask:
         (result,) = ask("delete_parameters", [arguments.parameter_name]).results
     outcome = "Deleted parameter successfully" if result.successful else "Deleting parameter failed"
-    write(_format_result(outcome, result))
+    _write_result(outcome, result, write)
 
 
 @contextmanager
@@ -171,8 +172,10 @@ def _kind(number: int) -> str:
     return Parameter.Type(number).name.lower().replace("_", " ").replace("bool", "boolean")
 
 
-def _format_result(outcome: str, result: Any) -> str:
-    return f"{outcome}: {result.reason}\n" if result.reason else f"{outcome}\n"
+def _write_result(outcome: str, result: Any, write: Write) -> None:
+    """Write the result of a change with its reason; as in ROS, a failure goes to stderr."""
+    write_line = write if result.successful else sys.stderr.write
+    write_line(f"{outcome}: {result.reason}\n" if result.reason else f"{outcome}\n")
 
 
 _NODE = value("node_name", help="Name of the ROS node")

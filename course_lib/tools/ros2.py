@@ -160,7 +160,6 @@ def ros2(words: Sequence[str], source: Source, write: Write) -> None:
         _explain(list(words), write)
         return
     parser = _Parser(prog=f"ros2 {' '.join(verb.words)}", description=verb.help)
-    parser.write = write
     groups: dict[str, Any] = defaultdict(parser.add_mutually_exclusive_group)
     for option in verb.options:
         target = groups[option.exclusive] if option.exclusive else parser
@@ -172,7 +171,12 @@ def ros2(words: Sequence[str], source: Source, write: Write) -> None:
     arguments = parser.parse_args(verb_arguments)
     if pause := getattr(arguments, "spin_time", 0.0) or (0.0 if verb.is_immediate else source.discovery):
         source.wait(lambda: False, pause)
-    verb.run(source, arguments, write)
+    try:
+        verb.run(source, arguments, write)
+    except CourseError as error:
+        # As in ros2cli, a command that fails has the exit code 1, and a wrong command line 2.
+        error.exit_code = 1
+        raise
 
 
 def find_verb(words: Sequence[str]) -> Verb | None:
@@ -183,11 +187,9 @@ def find_verb(words: Sequence[str]) -> Verb | None:
 class _Parser(ArgumentParser):
     """An argument parser that raises an error instead of exiting."""
 
-    write: Write
-
     def error(self, message: str) -> NoReturn:
         """Print the usage, and raise an error with the message and the closest option."""
-        self.write(self.format_usage())
+        self.print_usage(sys.stderr)
         if message.startswith("unrecognized arguments: -"):
             option = message.split()[2]
             if option.partition("=")[0] in COURSE_OPTIONS | LINK_OPTIONS:
@@ -213,7 +215,6 @@ def _explain(words: list[str], write: Write) -> None:
     prog = " ".join(["ros2", *path])
     about = COMMANDS[path[0]] if path else "ros2 is an extensible command-line tool for ROS 2."
     parser = _Parser(prog=prog, description=about, formatter_class=RawDescriptionHelpFormatter)
-    parser.write = write
     if not path:
         parser.add_argument("--use-python-default-buffering", action="store_true", help=_BUFFERING)
     width = max(map(len, names))

@@ -436,7 +436,7 @@ def _bw(source: Source, arguments: Namespace, write: Write) -> None:
         if arrival is not None and now_ns:
             sizes.append((now_ns, len(arrival.cdr)))
         elif len(sizes) > 1 and now_ns <= sizes[0][0]:
-            write("WARNING: time is reset!\n")
+            sys.stderr.write("WARNING: time is reset!\n")
             sizes.clear()
         elif len(sizes) > 1:
             write(bandwidth([size for _, size in sizes], (now_ns - sizes[0][0]) * 1e-9))

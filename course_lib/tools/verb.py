@@ -159,14 +159,13 @@ def list_verb(kind: str, about: str, find: FindTypes, *options: Option) -> Verb:
 
 
 def type_verb(kind: str, about: str, find: FindTypes, name: Option) -> Verb:
-    """Return the verb that prints the types of a name.
-
-    As in ROS, it prints nothing for an unknown name.
-    """
+    """Return the verb that prints the types of a name."""
 
     def run(source: Source, arguments: Namespace, write: Write) -> None:
-        types = find(source, True).get(getattr(arguments, f"{kind}_name"), ())
-        write("".join(f"{type_name}\n" for type_name in types))
+        name, types_by_name = getattr(arguments, f"{kind}_name"), find(source, True)
+        if name not in types_by_name:
+            raise CourseError(f"Unknown {kind} '{name}'{did_you_mean(name, types_by_name)}")
+        write("".join(f"{type_name}\n" for type_name in types_by_name[name]))
 
     return Verb(kind, "type", about, (*NODE_OPTIONS, name), run)
 

@@ -47,9 +47,12 @@ def test_state_is_set_by_transition_label_or_id(run: Run) -> None:
     assert run("lifecycle get front/camera") == "active [3]\n"
 
 
-def test_transition_rejected_by_the_node_is_a_failure(run: Run, camera: Camera) -> None:
+def test_transition_rejected_by_the_node_is_a_failure(
+    run: Run, camera: Camera, capsys: pytest.CaptureFixture[str]
+) -> None:
     camera.trigger_configure()
-    assert run("lifecycle set /front/camera cleanup") == "Transitioning failed\n"
+    assert run("lifecycle set /front/camera cleanup") == ""
+    assert capsys.readouterr().err == "Transitioning failed\n"
     assert run("lifecycle get /front/camera") == "inactive [2]\n"
 
 

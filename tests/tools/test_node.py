@@ -14,20 +14,24 @@ from course_lib.tools.sources import RecordingSource
 Run = Callable[[str], str]
 
 
-def test_list_prints_nodes_and_warns_about_duplicate_names(run: Run, graph: Graph, talker: Node) -> None:
+def test_list_prints_nodes_and_warns_about_duplicate_names(
+    run: Run, graph: Graph, talker: Node, capsys: pytest.CaptureFixture[str]
+) -> None:
     other = Node("arm", namespace="robot")
     hidden = Node("_hidden")
     assert run("node list") == "/robot/arm\n/talker\n"
     assert run("node list -a") == "/_hidden\n/robot/arm\n/talker\n"
     assert run("node list -c") == "2\n"
     graph.add_node("talker", "/")  # as from another process, because a notebook replaces its own nodes
-    assert run("node list") == (
+    assert run("node list") == "/robot/arm\n/talker\n/talker\n"
+    assert capsys.readouterr().err == (
         "WARNING: Be aware that there are nodes in the graph that share an exact name, which can have "
-        "unintended side effects.\n/robot/arm\n/talker\n/talker\n"
+        "unintended side effects.\n"
     )
-    assert run("node info /talker").startswith(
+    assert run("node info /talker").startswith("/talker\n  Subscribers:\n")
+    assert capsys.readouterr().err == (
         'There are 2 nodes in the graph with the exact name "/talker". You are seeing information about '
-        "only one of them.\n/talker\n  Subscribers:\n"
+        "only one of them.\n"
     )
     del other, hidden
 

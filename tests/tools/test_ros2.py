@@ -97,12 +97,32 @@ def test_misplaced_options_of_course_ros2_are_recognized() -> None:
         ("topic echo /a --spin-time nan", "'nan' is not a time in seconds"),
     ],
 )
-def test_invalid_argument_is_reported_in_one_line_after_the_usage(line: str, text: str) -> None:
+def test_invalid_argument_is_reported_in_one_line_after_the_usage(
+    line: str, text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     output: list[str] = []
     with pytest.raises(CourseError, match=f"^ros2 topic echo: error: .*{text}") as raised:
         ros2(line.split(), recorded("/a"), output.append)
     assert "\n" not in str(raised.value)
-    assert output[0].startswith("usage: ros2 topic echo [-h]")
+    assert (output, raised.value.exit_code) == ([], 2)
+    assert capsys.readouterr().err.startswith("usage: ros2 topic echo [-h]")
+
+
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        ("topic type /b", "Unknown topic '/b'"),
+        ("topic info /b", "Unknown topic '/b'"),
+        ("service type /b", "Unknown service '/b'"),
+        ("action type /b", "Unknown action '/b'"),
+        ("node info /b", "Unable to find node '/b'"),
+        ("interface show std_msgs/msg/Strin", "Could not find the interface"),
+    ],
+)
+def test_command_that_fails_has_the_exit_code_of_ros2cli(line: str, text: str) -> None:
+    with pytest.raises(CourseError, match=text) as raised:
+        ros2(line.split(), recorded("/a"), print)
+    assert raised.value.exit_code == 1
 
 
 def test_topic_list_includes_the_topics_of_every_node() -> None:

@@ -39,7 +39,8 @@ def test_list_prints_services_with_their_types(run: Run, adder: Node) -> None:
 
 def test_type_and_find_are_inverse_commands(run: Run, adder: Node) -> None:
     assert run("service type /add_two_ints") == f"{TYPE}\n"
-    assert run("service type /nothing") == ""
+    with pytest.raises(CourseError, match="Unknown service '/nothing'"):
+        run("service type /nothing")
     assert run(f"service find {TYPE}") == "/add_two_ints\n"
     assert run(f"service find {TYPE} -c") == "1\n"
 
