@@ -1,5 +1,6 @@
 import json
 import os
+import re
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -194,8 +195,20 @@ def test_notebook_saved_before_the_last_check_is_reported_as_outdated(
     os.utime(path, (early, early))
     found = [line for line in submit(path).warnings if "saved" in line or "half" in line]
     assert found[0].startswith("half has changed since its last check")
-    assert found[1].startswith("the notebook was saved at")
+    assert re.match(r"the notebook was saved at \S+ on \d+ \w+ 2020, before", found[1])
     assert "press Ctrl+S and submit again" in found[1]
+
+
+def test_last_check_in_the_future_is_reported_as_a_changed_clock(
+    checked: list[str], write: Callable[..., Path], folder: Path
+) -> None:
+    checks = folder / ".course" / "checks.json"
+    year = datetime.now(UTC).year
+    checks.write_text(checks.read_text().replace(f'"time": "{year}', f'"time": "{year + 1}'))
+    path = write([*checked[:HALF], f"{DEFINED}\n    return length * 0.5", *checked[ANSWER:]])
+    (warning,) = [line for line in submit(path).warnings if "last check was at" in line]
+    assert f"{year + 1}, in the future: the clock of this computer was changed." in warning
+    assert warning.endswith("Run: course check week01_exercise.ipynb")
 
 
 def test_student_id_mismatch_with_the_folder_is_reported(

@@ -186,7 +186,15 @@ class NotebookReview:
         save_time = datetime.fromtimestamp(self._path.stat().st_mtime, UTC)
         unseen = any(task.outcome not in ("passed", "failed") for task in self.tasks.values())
         has_digests = all(check.cells for check in self._last_checks.values())
-        if save_time < last_check and (unseen or not has_digests):
+        if save_time >= last_check or not (unseen or not has_digests):
+            return
+        if last_check > datetime.now(UTC):
+            # To save again would not help.
+            yield (
+                f"the last check was at {_format_time(last_check)}, in the future: the clock of this "
+                f"computer was changed. Run: course check {_path_to_type(self._path)}"
+            )
+        else:
             yield (
                 f"the notebook was saved at {_format_time(save_time)}, before the last check at "
                 f"{_format_time(last_check)}: if it has unsaved changes, press Ctrl+S and submit "
@@ -202,7 +210,7 @@ def _path_to_type(path: Path) -> str:
 
 
 def _format_time(time: datetime) -> str:
-    return f"{time.astimezone():%H:%M:%S on %d %b}"
+    return f"{time.astimezone():%H:%M:%S on %d %b %Y}"
 
 
 def _released_digests(exercise: str) -> frozenset[str]:
