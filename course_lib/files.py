@@ -12,6 +12,8 @@ from pathlib import Path
 from types import FrameType
 from typing import NoReturn
 
+from course_lib.errors import CourseError
+
 # In robot time, `signal` shows a program only its own handlers. These functions were Python's when
 # the kit was imported.
 _set_handler, _get_handler = signal.signal, signal.getsignal
@@ -55,6 +57,23 @@ def write_atomically(path: Path, data: bytes, mode: int = 0o666) -> None:
             raise OSError(error.errno, error.strerror, str(path)) from error
         raise
     _remove_stale_drafts(path)
+
+
+def save_as(path: str | Path, data: bytes, subject: str) -> None:
+    """Write a file that a user has named. A symbolic link stays, and its target is written.
+
+    Args:
+        path: The file.
+        data: The whole content.
+        subject: What it contains, like "the page", for the error message.
+
+    Raises:
+        CourseError: The file cannot be written.
+    """
+    try:
+        write_atomically(Path(os.path.realpath(path)), data)
+    except OSError as error:
+        raise CourseError(f"Cannot write {subject} {path}: {error.strerror}.") from None
 
 
 @contextmanager

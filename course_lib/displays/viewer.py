@@ -296,10 +296,7 @@ class Viewer(KnownAttributes):
         subject = f"{seconds} s of robot time" if seconds else "the view"
         # A history of two minutes takes seconds.
         say(f"Saving {subject} …")
-        try:
-            size = save_html(scene, path, title=f"Viewer: {self.fixed_frame}").stat().st_size
-        except OSError as error:
-            raise CourseError(f"Cannot write the page {path}: {error.strerror}.") from None
+        size = save_html(scene, path, title=f"Viewer: {self.fixed_frame}").stat().st_size
         how = "right-click it in the file browser, Open in New Browser Tab"
         how = how if in_notebook() else "any browser"
         say(f"Saved {path} ({size / 1e6:.1f} MB). To open it: {how}. It works offline.")

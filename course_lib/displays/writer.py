@@ -1,6 +1,5 @@
 """Writing .rviz files in RViz's own format (property.cpp, config.cpp, yaml_config_writer.cpp)."""
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,8 +13,7 @@ from course_lib.displays.properties import booleans, color, vector
 from course_lib.displays.registry import FailedDisplay
 from course_lib.displays.session import RvizSession
 from course_lib.displays.views import FailedView, ViewController
-from course_lib.errors import CourseError
-from course_lib.files import write_atomically
+from course_lib.files import save_as
 
 _Configured = Display | ViewController | Tool | Options
 _PANELS = ("Displays", "Selection", "Tool Properties", "Views", "Time")
@@ -27,11 +25,7 @@ def save_rviz(session: RvizSession, path: str | Path) -> None:
     Raises:
         CourseError: The file cannot be written.
     """
-    path = Path(path)
-    try:
-        write_atomically(Path(os.path.realpath(path)), yaml_text(document(session)).encode())
-    except OSError as error:
-        raise CourseError(f"Cannot write the layout {path}: {error.strerror}.") from None
+    save_as(path, yaml_text(document(session)).encode(), "the layout")
 
 
 def document(session: RvizSession) -> dict[str, Any]:

@@ -1,6 +1,5 @@
 """`performance_report`: measurements of topics and callbacks, as tables and charts."""
 
-import os
 import struct
 from base64 import b64encode
 from collections.abc import Iterator, Sequence
@@ -13,7 +12,7 @@ from statistics import fmean, pstdev
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from course_lib.errors import CourseError
-from course_lib.files import write_atomically
+from course_lib.files import save_as
 from course_lib.recording import Recording, read_bag, record
 from course_lib.ros.graph.graph import Sample, current_graph
 from course_lib.ros.messages import message_class
@@ -184,8 +183,12 @@ class Chart:
         return file.getvalue()
 
     def save(self, path: str | Path) -> None:
-        """Write the picture as a PNG file."""
-        write_atomically(Path(os.path.realpath(path)), self.png())
+        """Write the picture as a PNG file.
+
+        Raises:
+            CourseError: The file cannot be written.
+        """
+        save_as(path, self.png(), "the picture")
         say(f"Saved {path}.")
 
     def _repr_html_(self) -> str:

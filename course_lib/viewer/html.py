@@ -4,7 +4,6 @@ import base64
 import gzip
 import hashlib
 import json
-import os
 import re
 from functools import cache
 from html import escape
@@ -12,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from course_lib.errors import CourseError
-from course_lib.files import write_atomically
+from course_lib.files import save_as
 from course_lib.viewer import encoding
 from course_lib.viewer.scene import Scene, describe_scene
 from course_lib.viewer.scene_recording import SceneRecording
@@ -131,10 +130,13 @@ _CODE = """\
 
 
 def save_html(scene: Scene | SceneRecording, path: str | Path, title: str = "3D view") -> Path:
-    """Write a page that shows a scene or plays a recording, offline and as a local file, too."""
-    path = Path(path)
-    write_atomically(Path(os.path.realpath(path)), static_page(scene, title).encode())
-    return path
+    """Write a page that shows a scene or plays a recording, offline and as a local file, too.
+
+    Raises:
+        CourseError: The page cannot be written.
+    """
+    save_as(path, static_page(scene, title).encode(), "the page")
+    return Path(path)
 
 
 def static_page(scene: Scene | SceneRecording, title: str = "3D view") -> str:

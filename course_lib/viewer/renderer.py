@@ -26,7 +26,7 @@ from PIL import Image
 
 from course_lib.arrays import Bools, Bytes, Float32s, Floats, Indices, Matrix, Pixels
 from course_lib.errors import CourseError
-from course_lib.files import write_atomically
+from course_lib.files import save_as
 from course_lib.viewer import drawables, encoding, html
 from course_lib.viewer.scene import Scene
 
@@ -732,8 +732,12 @@ class Picture:
     note: str = ""
 
     def save(self, path: str | Path) -> None:
-        """Write the file, and create its folder."""
-        write_atomically(Path(os.path.realpath(path)), self.png)
+        """Write the file, and create its folder.
+
+        Raises:
+            CourseError: The file cannot be written.
+        """
+        save_as(path, self.png, "the picture")
 
     def _repr_png_(self) -> bytes:
         """Return the PNG, to display it below a notebook cell."""

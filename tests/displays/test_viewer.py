@@ -362,9 +362,15 @@ def test_saving_prints_the_path_and_how_to_open_it(
     ]
 
 
-def test_page_that_cannot_be_written_is_reported(graph: Graph, tmp_path: Path) -> None:
-    with pytest.raises(CourseError, match=r"Cannot write the page .*: Is a directory\."):
-        Viewer().save_html(tmp_path)
+@pytest.mark.parametrize(
+    ("method", "subject"), [("save_html", "page"), ("save_rviz", "layout"), ("screenshot", "picture")]
+)
+def test_file_that_cannot_be_written_is_reported(
+    graph: Graph, tmp_path: Path, method: str, subject: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("course_lib.viewer.renderer.find_browser", lambda: None)
+    with pytest.raises(CourseError, match=rf"Cannot write the {subject} .*: Is a directory\."):
+        getattr(Viewer(), method)(tmp_path)
 
 
 def test_viewer_output_is_equal_in_every_run(graph: Graph) -> None:
