@@ -46,10 +46,10 @@ cube.color.b = cube.color.a = 1.0""",
     "joint_sliders(JointStatePublisher(load_robot('ur10').urdf))",
     "%rqt topic",
     "from ipywidgets import HTML, IntSlider, VBox\nVBox([HTML('<i>words of my own</i>'), IntSlider(7)])",
-    "cube.color.r, cube.color.g = 0.0, 1.0\npublisher.publish(cube)\nspin_for(0.5)\nviewer",
     *["# JupyterLab draws no cell far out of sight." + "\n" * 30] * 70,
     "print('far below')\nquiz('week01_recall')\npredict('week01.ground')",
 )
+GREEN_CUBE = "cube.color.r, cube.color.g = 0.0, 1.0\npublisher.publish(cube)\nspin_for(0.5)\nviewer"
 COLOR_PIXELS = """(image, channel) => {
     const canvas = document.createElement("canvas");
     [canvas.width, canvas.height] = [image.naturalWidth, image.naturalHeight];
@@ -86,8 +86,10 @@ def reopened(lab: Lab) -> Iterator[Notebook]:
     """A notebook that was run, answered, saved and closed, with its kernel ended, and opened again."""
     with opened(lab, "night.ipynb", CELLS) as notebook:
         notebook.run_all()
-        view = notebook.cell("color.g = 0.0, 1.0").locator("canvas").first
-        wait_until(lambda: green_pixels(view) > ENOUGH, notebook.page, A_FRAME)
+        view = notebook.cell("viewer.add").locator("canvas").first
+        wait_until(lambda: red_pixels(view) > ENOUGH, notebook.page, A_FRAME)
+        later_view = notebook.run_below(GREEN_CUBE).locator("canvas").first
+        wait_until(lambda: green_pixels(later_view) > ENOUGH, notebook.page, A_FRAME)
         notebook.cell("predict(").get_by_text(GUESS.text, exact=True).click()
         notebook.cell("quiz(").get_by_text(RECALL.right.text, exact=True).click()
         notebook.cell("quiz(").get_by_text("✔ Right.").wait_for()
@@ -126,6 +128,8 @@ def test_reopened_view_shows_its_last_image_and_a_continue_button(reopened: Note
     image = cell.locator("img")
     # The cube was blue when the view's cell was run, and red before another cell showed the view.
     assert image.evaluate(COLOR_PIXELS, RED) > ENOUGH
+    # No message had arrived when the view was displayed.
+    assert "messages received at" in (image.get_attribute("alt") or "")
     cell.get_by_role("button", name="Continue here").wait_for()
     later = reopened.cell("color.g = 0.0, 1.0")
     saved(later)

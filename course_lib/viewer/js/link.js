@@ -163,7 +163,7 @@ export class Link {
       const source = visible ? visible.pictures : this.lastBeside;
       if (!source || source === savedSource) return null;
       savedSource = source;
-      return visible ? pictureToSave(visible.canvas) : this.lastBeside;
+      return visible ? this.outputToSave(visible.canvas) : this.lastBeside;
     };
     Object.assign(element, { courseKeeps });
     this.reportViewCount();
@@ -171,12 +171,18 @@ export class Link {
       removeTimeBar();
       const { pictures, canvas } = view;
       // Another view takes the panel: the cells keep the last picture that was there.
-      if (place.isBeside && pictures) this.lastBeside = pictureToSave(canvas);
+      if (place.isBeside && pictures) this.lastBeside = this.outputToSave(canvas);
       place.dispose();
       view.dispose();
       desk.dispose();
       this.reportViewCount();
     };
+  }
+
+  /** @param {HTMLCanvasElement} canvas @returns {Record<string, string>} its picture, and what it shows in words */
+  outputToSave(canvas) {
+    const { summary } = this.deskState.values; // what the page knew first is out of date
+    return { ...pictureToSave(canvas), ...(summary && { "text/plain": `${this.model.get("label")}. ${summary}` }) };
   }
 
   /** Freeze the views after the kernel has ended, and move them back to their cells. A view at rest needs no kernel. */

@@ -299,7 +299,11 @@
         const source = node?.querySelector(".course-keeps");
         const kept = panel ? { "text/html": htmlOf(panel) } : source?.courseKeeps?.();
         const isNew = kept && Object.entries(kept).some(([type, value]) => data[type] !== value);
-        if (isNew) outputs.set(i, { ...outputs.get(i).toJSON(), data: { ...data, ...kept } });
+        if (!isNew) continue;
+        const output = outputs.get(i).toJSON();
+        const text = kept["image/png"] && kept["text/plain"]; // nbconvert reads it in the metadata
+        const metadata = text ? { ...output.metadata, "image/png": { alt: text } } : output.metadata;
+        outputs.set(i, { ...output, metadata, data: { ...data, ...kept } });
       }
     }
   }
