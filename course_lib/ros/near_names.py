@@ -272,6 +272,10 @@ def _line_hint(missing: str, line: str, frame: FrameType) -> str:
     """Return the hint for an undefined name whose spelling or line shows the mistake, or ""."""
     if found := syntax_hints.foreign_letter(missing):
         return f"{found}: type the name again."
+    # The cells with checks are given, so the name is right unless it was edited.
+    is_given = re.match(rf'\s*check\("[\w.]+", {missing}\)', line)
+    if is_given and not nearest(missing, frame.f_globals, 0.9):
+        return f"run the cell that defines {missing} first. Did it end with an error?"
     if missing.startswith("create_") and "__qualname__" in frame.f_locals:
         return f"write self.{missing}(…) in def __init__: it is a method of a node."
     if re.match(rf"\s*{missing}\s*==", line):

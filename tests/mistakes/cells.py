@@ -1,6 +1,7 @@
 """Typical mistakes in the cells of lessons without an exercise: week 0, the reviews and the extra lesson."""
 
 import io
+import linecache
 import re
 import tomllib
 from contextlib import redirect_stderr, redirect_stdout
@@ -61,6 +62,7 @@ CELLS = [
     ("checks without an object", 'check("week01.red_cube")'),
     ("checks a task that does not exist", 'check("week01.red_cub", Node)'),
     ("checks an object without the task", "check(Node)"),
+    ("checks an object that no cell has defined", 'check("week07.report", dashboard_report)'),
     ("misspells a robot", 'load_robot("ur11")'),
     ("misspells a verb of ros2", 'ros2("topic lst")'),
     ("misspells a command of ros2", 'ros2("topik list")'),
@@ -82,6 +84,8 @@ def seen_in_cell(code: str) -> list[str]:
         names: dict[str, object] = {"__name__": "__main__"}
         with time_lock.hold():
             exec(PRELUDE, names)
+            # As in a kernel: hints read the line.
+            linecache.cache["cell"] = (len(code), None, code.splitlines(True), "cell")
             try:
                 exec(compile(code, "cell", "exec"), names)
             except Exception as error:
