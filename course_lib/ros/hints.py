@@ -11,17 +11,18 @@ import re
 import sys
 import tomllib
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Awaitable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from traceback import walk_tb
-from types import FunctionType, ModuleType
+from types import FrameType, FunctionType, ModuleType
 
 from course_lib.errors import join_words
 from course_lib.ros import import_hints, near_names, syntax_hints, value_hints
 from course_lib.ros.messages.definitions import definition, type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
 from course_lib.ros.programs.packages import skipped_folder_reason, unavailable_reason
+from course_lib.ros.tf2 import BufferCore
 
 # Limit on the characters of an error's text that are examined.
 MAX_TEXT = 2000
@@ -56,6 +57,8 @@ _MODULES = {
     "copy": "copy",
     "os": "os",
 }
+# The number of frames of a buffer that a hint names.
+_MOST_FRAMES = 8
 # The table of attributes that rclpy lacks, whose patterns match "rclpy.time.Time.now".
 _OF_RCLPY = "OfRclpy"
 
@@ -99,6 +102,7 @@ def _find_hint(error: BaseException) -> str:
         or near_names.parameter_hint(error)
         or near_names.keyword_hint(error)
         or _lifecycle_hint(error, text)
+        or _task_argument_hint(error, text)
         or near_names.extra_argument_hint(error)
         or near_names.keyword_argument_hint(error)
         or near_names.constructor_hint(error)
@@ -112,7 +116,7 @@ def _find_hint(error: BaseException) -> str:
         or _shadowed_hint(error, text)
         or _loop_hint(error, text)
         or _order_hint(error, text)
-        or _executor_hint(error)
+        or _executor_hint(error, text)
         or _operand_hint(error, text)
         or _request_hint(error)
         or _future_hint(error)
@@ -121,6 +125,8 @@ def _find_hint(error: BaseException) -> str:
         or value_hints.append_hint(error, text)
         or value_hints.missing_comma_hint(error, text)
         or value_hints.range_hint(error, text)
+        or value_hints.numpy_hint(error, text)
+        or value_hints.unpacked_string_hint(error, text)
         or value_hints.index_hint(error)
         or value_hints.none_hint(error, text)
         or _number_loop_hint(error)
@@ -171,7 +177,9 @@ def _field_hint(types: Sequence[str], attribute: str, line: str) -> str:
     """Return the hint for a field or a constant that a message does not have, in a student's line."""
     definitions = [definition(name) for name in types]
     names = [n for one in definitions for n in (*one.constants, *(field.name for field in one.fields))]
-    show = f"`%ros2 interface show {types[0]}` lists its fields."
+    # The fields of a service or an action are shown under its name: Trigger for Trigger_Request.
+    shown = re.sub(r"(/(?:srv|action)/[^_]+)_\w+$", r"\1", types[0])
+    show = f"`%ros2 interface show {shown}` lists its fields."
     if near_names.is_angle(attribute) and {"x", "y", "z", "w"} <= set(names):
         turn = "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`"
         back = "the inverse is `yaw = 2 * atan2(q.z, q.w)`"
@@ -310,6 +318,31 @@ def _lifecycle_hint(error: BaseException, text: str) -> str:
     return ""
 
 
+def _task_argument_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a callback of a future or an action that lacks its parameter, or ""."""
+    frame = near_names.frame_of(error)
+    match = re.match(r"(?:.*\.)?(\w+|<lambda>)\(\) takes \d+ positional arguments? but", text)
+    arguments = frame.f_locals.get("args") if frame is not None else None
+    if match is None or not isinstance(arguments, tuple) or not isinstance(error, TypeError):
+        return ""
+    kinds = {
+        "Future": ("a future gets the future", "future", "The response is future.result()."),
+        "ServerGoalHandle": (
+            "an action server gets the goal handle",
+            "goal_handle",
+            "The goal is goal_handle.request.",
+        ),
+    }
+    for argument in arguments:
+        if found := kinds.get(type(argument).__name__):
+            rule, name, use = found
+            first = "self, " if "." in text.partition("(")[0].rpartition("<locals>.")[2] else ""
+            is_lambda = match[1] == "<lambda>"
+            code = f"lambda {name}: {name}" if is_lambda else f"def {match[1]}({first}{name})"
+            return f"the callback of {rule}: write `{code}`. {use}"
+    return ""
+
+
 def _unbound_hint(error: BaseException, text: str) -> str:
     """Return the hint for a callback that is a method of the class and not of its object, or ""."""
     frame = near_names.frame_of(error)
@@ -336,10 +369,16 @@ def _tf_hint(error: BaseException, text: str) -> str:
             "the first argument is a message with a header, the second one the transform: "
             "`tf2_geometry_msgs.do_transform_point(point, transform)`."
         )
-    if text.startswith("duration must have") and re.search(r"\bBuffer\(\s*(self|node)\b", line):
+    is_node = any(hasattr(frame.f_locals.get("cache_time"), "create_publisher") for frame in frames)
+    if text.startswith("duration must have") and is_node:
         return (
             "a buffer takes no node: `Buffer()`. The listener does, `TransformListener(self.buffer, self)`."
         )
+    callers = {one.f_code.co_name for one in frames}
+    if re.search("'Time' and '(float|int)'", text) and {"lookup_transform", "can_transform"} & callers:
+        return "the timeout is a Duration and not a number: `Duration(seconds=1.0)`."
+    if type(error).__name__ == "LookupException" and (found := _frames_hint(error, text)):
+        return found
     if isinstance(error, TypeError) and re.match(
         r"Buffer(Core)?\.set_transform.* missing .*'authority'", text
     ):
@@ -352,6 +391,26 @@ def _tf_hint(error: BaseException, text: str) -> str:
                 "`self.create_subscription(Marker, '/a_topic', self.heard, 10)`."
             )
     return ""
+
+
+def _frames_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a frame that a buffer does not contain, with the frames that it contains."""
+    missing = re.match(r'"([^"]+)" passed to', text)
+    owners = (frame.f_locals.get("self") for frame, _ in walk_tb(error.__traceback__))
+    buffer = next((owner for owner in owners if isinstance(owner, BufferCore)), None)
+    if missing is None or buffer is None:
+        return ""
+    known = sorted(buffer.frames())
+    catch = "A node that can continue without the frame catches TransformException."
+    if not known:
+        return (
+            "the buffer is still empty. A listener fills it while its node is spun, so the first lookups "
+            f"of a node fail. {catch}"
+        )
+    if similar := near_names.nearest(missing[1], known):
+        return f"did you mean {similar!r}? The buffer contains it."
+    more = "" if len(known) <= _MOST_FRAMES else " and others"
+    return f"the buffer contains {join_words(known[:_MOST_FRAMES])}{more}, but not {missing[1]}. {catch}"
 
 
 def _missing_value_hint(error: BaseException, text: str) -> str:
@@ -462,8 +521,16 @@ def _recursion_hint(error: BaseException) -> str:
 
 def _future_hint(error: BaseException) -> str:
     """Return the hint for the fields of a result that has not arrived yet, or ""."""
+    if not isinstance(error, AttributeError):
+        return ""
+    for frame, number in walk_tb(error.__traceback__):
+        above = linecache.getline(frame.f_code.co_filename, number)
+        if called := re.search(r"\.add_done_callback\(\s*([\w.]+)\(", above):
+            return f"add_done_callback gets the function itself, without ( ): add_done_callback({called[1]})."
     line = near_names.line_of_student(error)
-    if isinstance(error, AttributeError) and error.obj is None and re.search(r"\.result\(\)\.\w", line):
+    if isinstance(error.obj, Awaitable) and getattr(error.obj, "done", bool)() is True:
+        return f"this future is done: the field is in its result, future.result().{error.name}."
+    if error.obj is None and re.search(r"\.result\(\)\.\w", line):
         return "the response has not arrived yet: `await future`, or `future.add_done_callback(f)`."
     return ""
 
@@ -529,9 +596,11 @@ def _hidden_module_hint(error: BaseException) -> str:
         for name in (*frame.f_locals, *frame.f_globals):
             is_module = name in _MODULES and hasattr(sys.modules.get(_MODULES[name]), str(error.name))
             if is_module and {**frame.f_globals, **frame.f_locals}[name] is error.obj:
+                is_class = isinstance(error.obj, type)
+                what = f"the class {error.obj.__name__}" if is_class else f"a variable here, {name} = …,"
                 return (
-                    f"{name} is a variable here, {name} = …, and hides the module {name}: choose "
-                    "another name for it, and import the module again."
+                    f"{name} is {what} and hides the module {name}: choose another name for it, and "
+                    "import the module again."
                 )
     return ""
 
@@ -552,8 +621,12 @@ def _hidden_property_hint(error: BaseException) -> str:
 
 def _loop_hint(error: BaseException, text: str) -> str:
     """Return the hint for a message that is used as a list, or ""."""
-    match = re.match(r"'(\w+)' object is not iterable", text)
-    if match is None or not isinstance(error, TypeError):
+    match = re.match(
+        r"'(\w+)' object is not iterable|cannot unpack non-iterable ((?!Transform)\w+) object", text
+    )
+    name = (match[1] or match[2]) if match else ""
+    # rclpy's own classes of these names are not messages.
+    if not name or not isinstance(error, TypeError) or name in ("Time", "Duration", "Parameter"):
         return ""
     frame, trace = near_names.frame_of(error), error.__traceback__
     while trace is not None and trace.tb_next is not None:
@@ -562,11 +635,11 @@ def _loop_hint(error: BaseException, text: str) -> str:
         code = (one for one in dis.get_instructions(frame.f_code) if one.offset == trace.tb_lasti)
         if any(one.opname.startswith(("BINARY_OP", "INPLACE_ADD")) for one in code):
             return "+= adds all items of a list. `items.append(item)` adds a single item."
-    types = _types_in_error(f"'{match[1]}' object has no attribute")
+    types = _types_in_error(f"'{name}' object has no attribute")
     lists = [f.name for name in types[:1] for f in definition(name).fields if f.container != "scalar"]
     if types and len(lists) == 1:
-        return f"a {match[1]} is not a list, but has one: loop over its field {lists[0]}."
-    return f"a {match[1]} is a single object: read its fields by their names." if types else ""
+        return f"a {name} is not a list, but has one: loop over its field {lists[0]}."
+    return f"a {name} is a single object: read its fields by their names." if types else ""
 
 
 # The parameters of each method of a node, in their order.
@@ -575,6 +648,8 @@ _CREATE_CALLS = {
     "create_client": "self.create_client(AddTwoInts, '/a_service')",
     "create_publisher": "self.create_publisher(Marker, '/a_topic', 10)",
     "create_subscription": "self.create_subscription(Marker, '/a_topic', self.heard, 10)",
+    "ActionServer": "ActionServer(self, Fibonacci, '/an_action', self.execute)",
+    "ActionClient": "ActionClient(self, Fibonacci, '/an_action')",
 }
 
 
@@ -584,19 +659,31 @@ def _order_hint(error: BaseException, text: str) -> str:
     if "isinstance() arg 2" in text and frame is not None and frame.f_code.co_name == "publish":
         # rclpy accepts a message in place of its class until `publish` is called.
         return _type_hint(getattr(frame.f_locals.get("self"), "msg_type", None))
+    line = near_names.line_of_student(error)
+    end = re.search(r"\b(Action(?:Server|Client))\(\s*\w+\s*,\s*['\"]", line)
+    if end and "missing" in text:
+        return f"the node comes first: `{_CREATE_CALLS[end[1]]}`."
     texts = "rclpy_resolve_name|incompatible constructor arguments|no attribute '_TYPE_SUPPORT'"
     if not re.search(texts, text):
         return ""
-    frames = [frame for frame, _ in walk_tb(error.__traceback__) if frame.f_code.co_name in _CREATE_CALLS]
-    if not frames:
+    frames = [frame for frame, _ in walk_tb(error.__traceback__)]
+    names = ((_create_call(frame), frame.f_locals) for frame in frames)
+    call, variables = next(((name, values) for name, values in names if name in _CREATE_CALLS), ("", {}))
+    if not call:
         return ""
-    variables = frames[0].f_locals
-    kind = variables.get("srv_type", variables.get("msg_type"))
+    kind = variables.get("srv_type", variables.get("msg_type", variables.get("action_type")))
+    name = variables.get("srv_name", variables.get("topic", variables.get("action_name")))
     # A type in quotes, or an object of it, followed by a name in quotes, is another mistake.
-    if isinstance(variables.get("srv_name", variables.get("topic")), str):
+    if isinstance(name, str):
         return _type_hint(kind)
-    call = _CREATE_CALLS[frames[0].f_code.co_name]
-    return f"pass the type first, then the name in quotes: `{call}`."
+    position = "after the node, the type comes" if "Action" in call else "pass the type"
+    return f"{position} first, then the name in quotes: `{_CREATE_CALLS[call]}`."
+
+
+def _create_call(frame: FrameType) -> str:
+    """Return the method of a node, or the class of an action's end, that a frame creates."""
+    name = frame.f_code.co_name
+    return type(frame.f_locals.get("self")).__name__ if name == "__init__" else name
 
 
 def _type_hint(kind: object) -> str:
@@ -618,9 +705,15 @@ def _type_hint(kind: object) -> str:
     return ""
 
 
-def _executor_hint(error: BaseException) -> str:
-    """Return the hint for a MultiThreadedExecutor whose number of threads is a node, or ""."""
+def _executor_hint(error: BaseException, text: str) -> str:
+    """Return the hint for several nodes that are passed to spin, or a node instead of a number, or ""."""
     frame = near_names.frame_of(error)
+    callers = {one.f_code.co_name for one, _ in walk_tb(error.__traceback__)}
+    if re.match(r"unhashable type: '(list|set)'", text) and {"spin", "spin_once", "add_node"} & callers:
+        return (
+            "one node is needed here, and this is a list. An executor runs several: call "
+            "`executor.add_node(node)` for each of them, and then executor.spin()."
+        )
     if frame is None or not hasattr(frame.f_locals.get("num_threads"), "create_publisher"):
         return ""
     return "the argument is the number of threads. Add the node: `executor.add_node(node)`."
@@ -811,6 +904,12 @@ def _types_of(error: BaseException, text: str) -> list[str]:
     """Return the message types with the class name in an attribute error, the error's own type first."""
     owner = error.obj if isinstance(error, AttributeError) else None
     kind = owner if isinstance(owner, type) else type(owner)
+    # Python keeps the object of an attribute that is read, but not of one that is set.
+    frame = near_names.frame_of(error)
+    values = {**frame.f_globals, **frame.f_locals}.values() if frame is not None else ()
+    for candidate in (kind, *(type(value) for value in values if owner is None)):
+        if hasattr(candidate, "_TYPE_NAME") and f"'{candidate.__name__}'" in text:
+            return [candidate._TYPE_NAME]
     package = kind.__module__.partition(".")[0]
     return sorted(_types_in_error(text), key=lambda name: name.partition("/")[0] != package)
 

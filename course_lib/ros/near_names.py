@@ -123,6 +123,8 @@ _SYNONYMS = {
     "rotation": ("orientation",),
     "orientation": ("rotation",),
     "translation": ("position",),
+    "pose": ("transform",),
+    "transform": ("pose",),
     "position": ("translation", "center"),
     "label": ("class_id", "text", "name"),
     "class_name": ("class_id",),
@@ -330,10 +332,13 @@ def _origin_hint(missing: str, frame: FrameType) -> str:
     if is_launch_file(frame):
         return f"no line of the launch file defines {missing}. Strings need quotes."
     if parameters := _parameters(frame.f_code):
-        return (
-            f"{frame.f_code.co_name} can use {parameters}, and names that the cells above define. "
-            f"Where is {missing} from?"
+        # A program is a file, and a cell has a name that IPython makes up.
+        where = (
+            "defined outside of it"
+            if os.path.isfile(frame.f_code.co_filename)
+            else "that the cells above define"
         )
+        return f"{frame.f_code.co_name} can use {parameters}, and names {where}. Where is {missing} from?"
     return ""
 
 
@@ -440,7 +445,7 @@ def key_hint(error: BaseException) -> str:
     """
     frame = frame_of(error)
     missing_key = error.args[0] if isinstance(error, KeyError) and error.args else None
-    if frame is None or not isinstance(missing_key, str):
+    if frame is None or not isinstance(missing_key, str | int):
         return ""
     if frame.f_locals.get("self") is os.environ:
         return (
@@ -449,7 +454,17 @@ def key_hint(error: BaseException) -> str:
         )
     attributes = getattr(frame.f_locals.get("self"), "__dict__", {})
     reached = [*frame.f_locals.values(), *attributes.values(), *frame.f_globals.values()]
-    keys = [key for value in reached if type(value) is dict for key in value if isinstance(key, str)]
+    all_keys = [key for value in reached if type(value) is dict for key in value]
+    if isinstance(missing_key, str) and ".format(" in line_of_student(error):
+        return f"format( ) gets no value with the name {missing_key}: write {missing_key}=… in its ( )."
+    for key in all_keys:
+        # A bool is an int, too.
+        if {type(key), type(missing_key)} == {str, int} and str(key) == str(missing_key):
+            kind = "a string" if isinstance(key, str) else "a number"
+            return f"the key is {kind}, {key!r}, and not {missing_key!r}."
+    if isinstance(missing_key, int):
+        return ""
+    keys = [key for key in all_keys if isinstance(key, str)]
     similar = nearest(missing_key, keys)
     return f"did you mean {similar!r}?" if similar else ""
 
@@ -656,6 +671,9 @@ def keyword_argument_hint(error: BaseException) -> str:
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):
         return ""
+    # Messages have hints of their own.
+    if mistake_of(error) is Mistake.UNNAMED_FIELD:
+        return ""
     named = [p.name for p in parameters if p.kind == inspect.Parameter.KEYWORD_ONLY]
     missing = int(match[3]) - int(match[2])
     if not named and isinstance(function, FunctionType) and match[2] == "0":
@@ -716,6 +734,11 @@ def unnamed_field_hint(error: BaseException) -> str:
     if mistake_of(error) is not Mistake.UNNAMED_FIELD or frame is None:
         return ""
     kind = type(frame.f_locals["self"])
+    if kind._TYPE_NAME == "rcl_interfaces/msg/Parameter":
+        return (
+            "this is the message Parameter of rcl_interfaces. The class for nodes is another one: "
+            "`from rclpy.parameter import Parameter`."
+        )
     fields = definition(kind._TYPE_NAME).fields
     if not any(field.is_message for field in fields):
         return ""

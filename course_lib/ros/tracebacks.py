@@ -9,6 +9,7 @@ import sys
 import sysconfig
 import threading
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 from traceback import StackSummary, TracebackException, walk_stack, walk_tb
 from types import TracebackType
@@ -207,10 +208,26 @@ def explain_interrupts(why: Callable[[], str]) -> Iterator[None]:
         raise
 
 
-def describe_interruption(reason: str) -> None:
-    """Print a hint with the calling thread's line.
+@dataclass
+class _ExplainedThreads:
+    """The threads of a program whose interruption has been explained."""
 
-    It prints nothing if the reason is empty, or in a notebook, whose traceback shows the line.
+    idents: set[int] = field(default_factory=set)
+
+
+def was_explained() -> bool:
+    """Return whether the interruption of the calling thread has been explained."""
+    return threading.get_ident() in current_graph().state(_ExplainedThreads).idents
+
+
+def describe_interruption(reason: str, line: str = "") -> None:
+    """Print a hint with a line of the student, by default the one that the calling thread executes.
+
+    It prints nothing if the reason is empty, if an inner wait has been explained, or in a notebook,
+    whose traceback shows the line.
     """
-    if reason and not current_graph().notebook:
-        say(f"hint: interrupted in {line_of_thread(threading.get_ident()) or 'a wait'}: {reason}")
+    ident, graph = threading.get_ident(), current_graph()
+    explained = graph.state(_ExplainedThreads).idents
+    if reason and not graph.notebook and ident not in explained:
+        explained.add(ident)
+        say(f"hint: interrupted in {line or line_of_thread(ident) or 'a wait'}: {reason}")

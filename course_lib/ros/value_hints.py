@@ -6,6 +6,7 @@ the frame that raised the error.
 
 import linecache
 import re
+from array import array
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from traceback import walk_tb
 from types import BuiltinFunctionType, FunctionType, MethodType
@@ -23,6 +24,8 @@ _NONE_VALUE = (
     "this is None: is it a parameter without a value, or a function that returns nothing?",
     "this is None: does the function that created it return something?",
 )
+# The hint for a matrix.
+_FLAT = "this is an array of {} dimensions, and the field takes one: `matrix.ravel()` is flat."
 # Messages of a few numbers.
 _NUMBERS_OF = {"Point": "xyz", "Vector3": "xyz", "Quaternion": "xyzw", "ColorRGBA": "rgba"}
 
@@ -44,7 +47,13 @@ def value_hint(error: BaseException, text: str) -> str:
     if isinstance(value, Mapping) and (is_number or kind == "str"):
         return f"this is a dictionary: take one of its values, like [{next(iter(value), 'key')!r}]."
     if isinstance(value, type) and kind != "str":
-        return f"this is the class {value.__name__}: create an object, with `{value.__name__}()`."
+        # The class of an action's result is Fibonacci_Result, which a program calls Fibonacci.Result.
+        shown = value.__name__.replace("_", ".")
+        return f"this is the class {shown}: create an object, with `{shown}()`."
+    if isinstance(value, bytes) and kind == "str":
+        return "these are bytes: `bytes(2).decode()` makes a string of them."
+    if isinstance(value, list | tuple) and kind == "str":
+        return f"this is a {name}, and the field takes one string: `', '.join(['a', 'b'])` joins strings."
     if isinstance(value, FunctionType | MethodType | BuiltinFunctionType):
         return f"this is the function {value.__name__}, which is not called: are its ( ) missing?"
     if is_number and (found := _number_hint(value, kind, text)):
@@ -164,6 +173,8 @@ def list_hint(error: BaseException, text: str) -> str:
     if frame is None or "value" not in frame.f_locals:
         return ""
     value = frame.f_locals["value"]
+    if isinstance(value, np.ndarray) and value.ndim != 1 and "must have a size of" in text:
+        return _FLAT.format(value.ndim)
     # A constructor converts the value to an array, whose error is the one of a single item.
     is_converted = frame.f_code.co_name == "pack" and "must be real number" in text
     if "must be a set or sequence" not in text and not is_converted:
@@ -175,13 +186,14 @@ def list_hint(error: BaseException, text: str) -> str:
     if isinstance(value, str | int | float):
         return f"this is one value, {value!r}, and the field takes several: put them into a list, in [ ]."
     if isinstance(value, np.ndarray) and value.ndim != 1:
-        return (
-            f"this is an array of {value.ndim} dimensions, and the field takes one: `matrix.ravel()` is flat."
-        )
+        return _FLAT.format(value.ndim)
     if isinstance(value, Iterable) and not isinstance(value, Collection):
         return f"this is of type {type(value).__name__}, which is not a list: put it into list( )."
     item_type = "each value of type 'float'" if is_converted else text
     items = list(value) if isinstance(value, Sequence | np.ndarray) else []
+    length = re.search(r"with length (\d+)", text)
+    if length and len(items) != int(length[1]):
+        return f"the field takes {length[1]} numbers, and this list has {len(items)}."
     return next(
         (hint for index, item in enumerate(items) if (hint := _item_hint(index, item, item_type))), ""
     )
@@ -193,6 +205,8 @@ def _item_hint(index: int, item: Any, text: str) -> str:
     The text of the error contains the type of the items.
     """
     plain_type = re.search(r"each value of type '(float|int|str|bool)'", text)
+    if plain_type is None and isinstance(item, type):
+        return f"item {index} is the class {item.__name__}: create an object, with `{item.__name__}()`."
     if plain_type is None and isinstance(item, FunctionType | MethodType | BuiltinFunctionType):
         return f"item {index} is the function {item.__name__}, which is not called: are its ( ) missing?"
     if plain_type is None and item is None:
@@ -212,6 +226,8 @@ def _item_hint(index: int, item: Any, text: str) -> str:
         return f"item {index} of the list is {item!r:.40}, not a string."
     # A point that is three numbers is not a list in the list.
     is_nested = isinstance(item, list | tuple | np.ndarray)
+    if is_nested and plain_type is None and any(isinstance(one, str) for one in item):
+        return ""
     if is_nested and (plain_type or not all(isinstance(one, int | float) for one in item)):
         return f"item {index} is a list in the list: does it have [ ] of its own, or is a * missing?"
     return ""
@@ -242,16 +258,19 @@ def index_hint(error: BaseException) -> str:
     if frame is None or not isinstance(error, IndexError):
         return ""
     names = {**frame.f_globals, **frame.f_locals}
-    for holder, index in re.findall(r"\b((?:self\.)?\w+)\[([\w\s+-]+)\]", line):
-        first, _, attribute = holder.partition(".")
+    for holder, index in re.findall(r"\b(\w+(?:\.\w+)*)\[([\w\s+-]+)\]", line):
+        first, *attributes = holder.split(".")
         items = names.get(first)
-        if attribute:
-            items = getattr(items, "__dict__", {}).get(attribute)
+        for attribute in attributes:
+            is_message = hasattr(type(items), "get_fields_and_field_types")
+            of_object = getattr(items, "__dict__", {})
+            items = getattr(items, attribute, None) if is_message else of_object.get(attribute)
         value = _value_of(index, names)
-        if not isinstance(items, list | tuple | str | np.ndarray) or value is None:
+        if not isinstance(items, list | tuple | str | np.ndarray | array) or value is None:
             continue
         count = len(items)
-        if -count <= value < count:
+        # An empty field of numbers has a hint of its own.
+        if -count <= value < count or (isinstance(items, array) and not count):
             continue
         if not count:
             return f"{holder} is empty here: test this first, with if len({holder}) == 0."
@@ -274,6 +293,40 @@ def _value_of(index: str, names: Mapping[str, Any]) -> int | None:
 
 # Methods that change their object, and functions that only print. Both return None.
 _WITHOUT_RESULT = r"\w+\.(?:append|extend|insert|remove|reverse|sort|update|add|shuffle)|print"
+
+
+def numpy_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a call of range or numpy whose line shows the mistake, or ""."""
+    line = near_names.line_of_student(error)
+    if not isinstance(error, TypeError):
+        return ""
+    if "object is not callable" in text and (found := re.search(r"\.(shape|size|ndim|dtype|T)\(", line)):
+        return f".{found[1]} is a value and not a function: leave out its ( )."
+    if text.startswith("'list' object cannot be") and (
+        found := re.search(r"np\.(concatenate|stack)\(", line)
+    ):
+        return f"{found[1]} takes the arrays in one list: `np.{found[1]}([[1.0], [2.0]])`."
+    if text.startswith("'float' object cannot be") and re.search(r"\brange\([^)]*\d*\.\d*[1-9]", line):
+        return "range has whole numbers only: `np.arange(0.0, 1.0, 0.1)` has steps of a tenth."
+    return ""
+
+
+def unpacked_string_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a string whose letters are unpacked, as in `r, g, b = "gray"`, or ""."""
+    found = re.match(
+        r"\s*\w+(?:\s*,\s*[\w.]+)+\s*=\s*([\"'][^\"']*[\"']|\w+)\s*(?:#.*)?$",
+        near_names.line_of_student(error),
+    )
+    frame = near_names.frame_of(error)
+    if found is None or frame is None or "values to unpack" not in text:
+        return ""
+    value = found[1].strip("\"'")
+    if value == found[1]:
+        named = {**frame.f_globals, **frame.f_locals}.get(value)
+        value = named if isinstance(named, str) else ""
+    if not value:
+        return ""
+    return f"the right side is the string {value!r:.40}, of which each letter is a value: write numbers."
 
 
 def none_hint(error: BaseException, text: str) -> str:

@@ -153,6 +153,9 @@ MISTAKES = {
     "ActionServer(node, Fibonacci, 'count', lambda goal: goal.succeed())\n"
     "ActionClient(node, Fibonacci, 'count').send_goal_async(Fibonacci.Goal())\n"
     "rclpy.spin(node)": _FIELD,
+    "def execute(goal):\n    goal.succeed()\n    return Fibonacci.Result\n"
+    "ActionServer(node, Fibonacci, 'count', execute)\n"
+    "ActionClient(node, Fibonacci, 'count').send_goal_async(Fibonacci.Goal())\nrclpy.spin(node)": _FIELD,
     "node.get_logger().info(5)": _ASSERTIONS,
     "best = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)\n"
     "node.create_publisher(String, 'chatter', best)\n"
@@ -166,6 +169,19 @@ MISTAKES = {
     "node.create_publisher(Marker, '/marker', 10).publish(marker)": _FIELD,
     **dict.fromkeys(
         (
+            "from std_msgs.msg import Bool\nBool().data = 1",
+            "from std_msgs.msg import Bool\nBool().data = 'True'",
+            "String().data = b'text'",
+            "String().data = ['a', 'b']",
+            "from sensor_msgs.msg import Image\nimport numpy as np\nImage().encoding = np.uint8",
+            "from builtin_interfaces.msg import Time\nTime().sec = 1.5",
+            "from geometry_msgs.msg import PoseWithCovariance\nPoseWithCovariance().covariance = [0.0] * 6",
+            "from geometry_msgs.msg import PoseWithCovariance\nimport numpy as np\n"
+            "PoseWithCovariance().covariance = np.eye(6)",
+            "from visualization_msgs.msg import MarkerArray\nMarkerArray().markers = [Marker]",
+            "Float64MultiArray().layout.dim = [('rows', 2, 2)]",
+            "from std_msgs.msg import Byte\nByte().data = 1",
+            "Marker().action = 'DELETE'",
             "Twist().linear.x = 1",
             "Twist(linear=(1.0, 0.0, 0.0))",
             "Int32(data=1.5)",

@@ -368,6 +368,9 @@ class ProgramNodes:
     ids: set[int] = field(default_factory=set)
     # The full names, by id, of nodes with ready entities that were never added to an executor.
     unspun: dict[int, str] = field(default_factory=dict)
+    # The number of timers and subscriptions, by full name, of nodes that were never added to an
+    # executor.
+    callbacks: dict[str, int] = field(default_factory=dict)
     # The errors that stopped live nodes, by full name. Nodes of one run have the same error.
     errors: dict[str, str] = field(default_factory=dict)
 

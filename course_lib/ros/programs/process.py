@@ -11,7 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, join_words
 from course_lib.ros.graph.graph import ProgramNodes, current_graph, program
 from course_lib.ros.programs.packages import python_package, python_path, source
 from course_lib.ros.syntax_hints import syntax_hint
@@ -24,7 +24,7 @@ from course_lib.ros.time.time_lock import (
     time_lock,
 )
 from course_lib.ros.time.virtual_time import BusyWaitTransformer, compile_program
-from course_lib.ros.tracebacks import print_error
+from course_lib.ros.tracebacks import print_error, was_explained
 from course_lib.third_party import compile_python, read_bytes, read_json
 
 if TYPE_CHECKING:
@@ -71,6 +71,17 @@ class Process:
             if not (isinstance(error, ShutDown) and current_graph().ended):
                 print_error(error)
                 self.exit_code = 1
+        if not (self.exit_code or was_explained() or isinstance(self, NotebookProgram)):
+            self._report_unspun_nodes()
+
+    def _report_unspun_nodes(self) -> None:
+        """Print a hint if the program has created timers or subscriptions, but has not spun their nodes."""
+        counts = current_graph().state(ProgramNodes).callbacks
+        if unspun := [name for name, count in counts.items() if count > 0]:
+            sys.stderr.write(
+                f"{self.file.name} ended without a spin of {join_words(unspun)}.\nhint: timers and "
+                "subscriptions call their functions only while the node is spun, as by rclpy.spin(node).\n"
+            )
 
 
 class Function(Process):
@@ -164,6 +175,9 @@ def _idle_hint(tree: ast.Module) -> str:
                 name != "__main__"
             ):
                 guards.append((statement.lineno, name))
+            case ast.If(body=[ast.Expr(ast.Name(name))]):
+                line = statement.body[0].lineno
+                return f"line {line} names {name} and does not call it. Write: {name}()"
             case ast.FunctionDef() | ast.Import() | ast.ImportFrom() | ast.Try():
                 pass
             case ast.Assign() | ast.AnnAssign() | ast.Expr() if not any(

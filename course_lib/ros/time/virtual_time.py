@@ -209,6 +209,8 @@ def _sleep(*args: float) -> None:
         # Python's own text, which does not contain the name of this function.
         raise TypeError(f"time.sleep() takes exactly one argument ({len(args)} given)")
     (seconds,) = args
+    if not hasattr(seconds, "__float__") and not hasattr(seconds, "__index__"):
+        raise TypeError(f"'{type(seconds).__name__}' object cannot be interpreted as an integer")
     if not time_lock.is_program_thread():
         cell.sleep(seconds)
         return

@@ -320,6 +320,34 @@ while rclpy.ok():
             "asyncio.run(main())",
             "asyncio.run(main()): the future is done only after /n has been spun",
         ),
+        (
+            "from example_interfaces.action import Fibonacci\nfrom rclpy.action import ActionClient\n"
+            "ActionClient(node, Fibonacci, 'count').wait_for_server()",
+            "wait_for_server(): it waited for the action count, whose server is not there.",
+        ),
+        (
+            "node.create_service(Trigger, 's', lambda request, response: response)\n"
+            "def tick():\n    future = client.call_async(Trigger.Request())\n"
+            "    rclpy.spin_until_future_complete(node, future)\n"
+            "node.create_timer(1.0, tick)\nrclpy.spin(node)",
+            "spin_until_future_complete(node, future): it waited inside of a callback",
+        ),
+        (
+            "import time\nnode.create_service(Trigger, 's', lambda request, response: response)\n"
+            "def tick():\n    future = client.call_async(Trigger.Request())\n"
+            "    while not future.done():\n        time.sleep(0.1)\n"
+            "node.create_timer(1.0, tick)\nrclpy.spin(node)",
+            "time.sleep(0.1): the response is received only after this callback has ended",
+        ),
+        (
+            "def tick():\n    rclpy.spin_once(node)\nnode.create_timer(1.0, tick)\nrclpy.spin(node)",
+            "rclpy.spin_once(node): a callback that spins waits for another callback",
+        ),
+        (
+            "import time\ndef tick():\n    while rclpy.ok():\n        time.sleep(0.5)\n"
+            "node.create_timer(1.0, tick)\nrclpy.spin(node)",
+            "time.sleep(0.5): this callback has not returned",
+        ),
     ],
 )
 def test_endless_wait_is_reported_with_its_line(
@@ -339,6 +367,9 @@ def test_endless_wait_is_reported_with_its_line(
     [
         SPUN,
         f"{ALONE}rclpy.spin(node)",
+        # The callback sleeps when the run ends, but for a short time.
+        f"{ALONE}import time\nnode.create_timer(0.5, lambda: time.sleep(0.3))\nrclpy.spin(node)",
+        f"{ALONE}node.create_timer(1.0, lambda: rclpy.spin_once(node, timeout_sec=0.1))\nrclpy.spin(node)",
         f"{ALONE}\nwhile rclpy.ok():\n    client.wait_for_service(timeout_sec=1.0)",
         # Its last call before the sleep is not a poll.
         f"{ALONE}\nimport time\npublisher = node.create_publisher(Trigger.Event, 't', 1)\n"
@@ -352,4 +383,45 @@ def test_end_of_a_finite_wait_has_no_hint(
     (tmp_path / "program.py").write_text(program)
     with use_graph(Graph(end_ns=START_NS + 5 * 10**9)):
         assert run_files([tmp_path / "program.py"], seed=1) == 0
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("lines", "names"),
+    [
+        ("node.create_timer(1.0, print)", "/n"),
+        ("node.create_timer(1.0, print)\nrclpy.spin", "/n"),
+        (
+            "node.create_subscription(Trigger.Event, 't', print, 1)\nnode.destroy_node()\nrclpy.shutdown()",
+            "/n",
+        ),
+        ("other = rclpy.create_node('other')\nother.create_timer(1.0, print)\nrclpy.spin(node)", "/other"),
+    ],
+)
+def test_node_that_is_never_spun_is_reported(
+    lines: str, names: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "program.py").write_text(ALONE + lines)
+    with use_graph(Graph(end_ns=START_NS + 5 * 10**9)):
+        assert run_files([tmp_path / "program.py"], seed=1) == 0
+    report, hint = capfd.readouterr().err.splitlines()
+    assert report == f"program.py ended without a spin of {names}."
+    assert hint.startswith("hint: timers and subscriptions call their functions only while")
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "node.create_publisher(Trigger.Event, 't', 1)",
+        "timer = node.create_timer(1.0, print)\nnode.destroy_timer(timer)",
+        "node.create_timer(1.0, lambda: None)\nrclpy.spin_once(node, timeout_sec=0.1)",
+        "node.create_subscription(Trigger.Event, 't', print, 1)\nraise SystemExit(1)",
+    ],
+)
+def test_program_that_spins_or_has_no_callbacks_has_no_report(
+    lines: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "program.py").write_text(ALONE + lines)
+    with use_graph(Graph(end_ns=START_NS + 5 * 10**9)):
+        run_files([tmp_path / "program.py"], seed=1)
     assert capfd.readouterr() == ("", "")

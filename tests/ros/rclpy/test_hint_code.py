@@ -18,6 +18,7 @@ from tests.ros.rclpy.test_mistakes import MISTAKES, PROGRAM
 SNIPPET = re.compile(r"`([^`]+)`")
 NAMES = """
 import math
+import os
 import sys
 import numpy as np
 import tf2_geometry_msgs
@@ -29,6 +30,8 @@ from rcl_interfaces.msg import SetParametersResult
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool
 from rclpy.clock import ClockType
+from rclpy.qos import QoSPresetProfiles
+from std_msgs.msg import MultiArrayDimension
 from rclpy.lifecycle import TransitionCallbackReturn
 class Robot(Node):
     def __init__(self):
@@ -42,6 +45,7 @@ class Robot(Node):
     def heard(self, msg): ...
     def answer(self, request, response):
         return response
+    def execute(self, goal_handle): ...
 self = robot = Robot()
 client = robot.create_client(AddTwoInts, "/a_service")
 future, f = client.call_async(AddTwoInts.Request()), print
@@ -62,7 +66,7 @@ point.header.frame_id = "map"
 message, state, items, matrix, time = Marker(), JointState(), [1.0], np.eye(4), 1.0
 item, v, q, numbers = 2.0, Vector3(), Quaternion(), [0.0, 0.0, 0.0, 1.0]
 executor, node = rclpy.executors.SingleThreadedExecutor(), Robot()
-parameter = rclpy.parameter.Parameter("speed", value=1.0)
+parameter = rclpy.parameter.Parameter("gain", value=1.0)
 self.publisher = robot.create_publisher(Marker, '/a_topic', 10)
 publisher = angle = get_logger = spin = 0
 pose = PoseStamped()
@@ -83,6 +87,7 @@ FIELDS = {
     "msg",
     "sec",
     "seconds",
+    "sequence",
     "get_logger",
     "publisher",
     "spin",

@@ -277,6 +277,9 @@ UNNAMED = """program.py ran nothing.
 hint: line 9 compares __name__ with "main", and Python names a started program "__main__". \
 Write: if __name__ == "__main__":
 """
+UNCALLED = """program.py ran nothing.
+hint: line 10 names main and does not call it. Write: main()
+"""
 UNUSED = """program.py ran nothing.
 hint: it only defines Talker. Write at its end: rclpy.init(), then rclpy.spin(Talker()).
 """
@@ -286,6 +289,7 @@ hint: it only defines Talker. Write at its end: rclpy.init(), then rclpy.spin(Ta
     ("source", "printed"),
     [
         (f"{NODE}def main():\n    pass\n\nif __name__ == 'main':\n    main()\n", UNNAMED),
+        (f"{NODE}def main():\n    pass\n\nif __name__ == '__main__':\n    main\n", UNCALLED),
         (f"{NODE}RATE = 2.0  # [Hz]\n", UNUSED),
         (f"{NODE}def main():\n    pass\n", ""),
         (f"{NODE}def main():\n    pass\n\nmain()\n", ""),

@@ -140,7 +140,12 @@ class Client(ServiceEnd):
                 f"the future is done only after {self._course_node.full_name} has been spun, as in "
                 "rclpy.spin_until_future_complete(node, future)."
             )
-        return "" if self._course_partner_count() else self.__missing_service
+        if not self._course_partner_count():
+            return self.__missing_service
+        executor = self._course_node.executor
+        if executor is not None and executor._course_holds_up(self):
+            return "the response is received only after this callback has ended: use add_done_callback."
+        return ""
 
     def __is_spun(self) -> bool:
         executor = self._course_node.executor

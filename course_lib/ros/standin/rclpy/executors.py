@@ -19,6 +19,7 @@ from course_lib.ros.notices import say
 from course_lib.ros.time import pace
 from course_lib.ros.time.interrupts import until_interrupted, watch
 from course_lib.ros.time.time_lock import AtEnd, never, time_lock
+from course_lib.ros.tracebacks import describe_interruption, explain_interrupts, line_of_traceback
 from rclpy.context import Context, get_default_context
 from rclpy.exceptions import INVALID_CONTEXT, NotInitializedException, RCLError
 from rclpy.exceptions import ConditionReachedException as ConditionReachedException
@@ -32,6 +33,20 @@ from rclpy.task import await_or_execute as await_or_execute
 from rclpy.utilities import timeout_sec_to_nsec
 
 FOR_EVER_NS = 2**62  # [ns]
+# A callback that has not returned after this time is reported when the run ends, [ns].
+_LONG_NS = 10**9
+_LONG_CALLBACK = (
+    "this callback has not returned, and no other callback of the program runs until it does. "
+    "Return from it, and continue in a later call."
+)
+_NESTED_SPIN_ONCE = (
+    "a callback that spins waits for another callback, which may never run. Leave this call out: "
+    "the spin that called this callback runs the others, too."
+)
+_NESTED_SPIN = (
+    "it waited inside of a callback, until whose end the other callbacks of its group do not run. "
+    "Use future.add_done_callback(f), or write async def and await future."
+)
 _ONE_THREAD = "MultiThreadedExecutor is used with a single thread.\nUse the SingleThreadedExecutor instead."
 
 
@@ -282,7 +297,14 @@ class Executor(AbstractContextManager["Executor"]):
                     self._course_execute(task)
             return
         self.__polled = None
-        self._spin_once_impl(timeout_sec_to_nsec(timeout_sec), never)
+        limit_ns = timeout_sec_to_nsec(timeout_sec)
+        with self.__explained_in_callback(limit_ns, _NESTED_SPIN_ONCE):
+            self._spin_once_impl(limit_ns, never)
+
+    def __explained_in_callback(self, limit_ns: int, reason: str) -> AbstractContextManager[None]:
+        """Return a block in which the interruption of an endless wait is explained in a callback."""
+        is_nested = limit_ns < 0 and threading.get_ident() in self.__under_way
+        return explain_interrupts(lambda: reason if is_nested else "")
 
     def __poll(self) -> Task | None:
         """Return the next task without waiting, as rclpy's generator does with a timeout of 0.
@@ -334,7 +356,7 @@ class Executor(AbstractContextManager["Executor"]):
         graph, limit_ns = self.context.graph, timeout_sec_to_nsec(timeout_sec)
         end_ns = None if limit_ns < 0 else graph.now_ns + limit_ns
         is_over = _Completion(future)
-        with time_lock.hold():
+        with self.__explained_in_callback(limit_ns, _NESTED_SPIN), time_lock.hold():
             while self.__is_running and self.context.ok() and future._pending():
                 self._spin_once_impl(-1 if end_ns is None else end_ns - graph.now_ns, is_over)
                 if end_ns is not None and graph.now_ns >= end_ns:
@@ -521,8 +543,14 @@ class Executor(AbstractContextManager["Executor"]):
         outer_callback = watch.running_callback
         if self.context.graph.notebook and isinstance(task, CallbackTask):
             watch.begin(task.entity._course_node.full_name)
+        start_ns = self.context.graph.now_ns
         try:
             task()
+        except KeyboardInterrupt as interrupt:
+            span_ns = self.context.graph.now_ns - start_ns
+            if isinstance(task, CallbackTask) and self._course_threads == 1 and span_ns >= _LONG_NS:
+                describe_interruption(_LONG_CALLBACK, line_of_traceback(interrupt.__traceback__))
+            raise
         finally:
             watch.running_callback = outer_callback
             if outer is None:
@@ -547,6 +575,9 @@ private_names.watch_names("Executor", Executor, private_names.OF_EXECUTORS, {})
 
 class SingleThreadedExecutor(Executor):
     """Runs callbacks one after the other, in the thread that spins."""
+
+    def __init__(self, *, context: Context | None = None) -> None:
+        super().__init__(context=context)
 
 
 class MultiThreadedExecutor(Executor):

@@ -544,6 +544,7 @@ class Node:
         claim_topic(self.handle, "subscription", full_topic, type_name(msg_type))
         subscription = Subscription(self.handle, msg_type, topic, full_topic, callback, group, profile, raw)
         self.__keep_endpoint(subscription, events or SubscriptionEventCallbacks(), group)
+        self.handle.count_callbacks(1)
         return subscription
 
     def create_client(
@@ -603,6 +604,7 @@ class Node:
         clock = self.__clock if clock is None else clock
         timer = Timer(self.handle, callback, group, period_ns, clock, autostart=autostart)
         self.__created_entities.append(timer)
+        self.handle.count_callbacks(int(callback is not None))
         return timer
 
     def create_guard_condition(
@@ -678,6 +680,8 @@ class Node:
         if not isinstance(entity, kind) or entity not in self.__created_entities:
             return False
         self.__created_entities.remove(entity)
+        if kind is Subscription or (kind is Timer and entity.callback is not None):
+            self.handle.count_callbacks(-1)
         entity.destroy()
         return True
 

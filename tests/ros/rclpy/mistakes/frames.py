@@ -6,7 +6,8 @@ FRAMES = [
         "from tf2_ros import TransformListener\n"
         "TransformListener(Buffer(), node).lookupTransform('map', 'base', Time())",
         "AttributeError: 'TransformListener' object has no attribute 'lookupTransform'",
-        "the listener only fills the buffer. Query the buffer: `self.buffer.lookup_transform('map', "
+        "the listener only fills the buffer. Query the buffer: "
+        "`self.buffer.lookup_transform('map', "
         "'base_link', Time())`.",
     ),
     (
@@ -19,8 +20,9 @@ FRAMES = [
     (
         "Buffer().lookup_transform('map', 'base', Time())",
         'tf2.LookupException: "map" passed to lookupTransform argument target_frame does not exist. ',
-        "is the frame published under this name? `%ros2 run tf2_tools view_frames`. A node that "
-        "can continue without the frame catches TransformException.",
+        "the buffer is still empty. A listener fills it while its node is spun, so the first "
+        "lookups "
+        "of a node fail. A node that can continue without the frame catches TransformException.",
     ),
     (
         "Buffer().lookup_transform('/map', 'base', Time())",
@@ -99,5 +101,30 @@ FRAMES = [
         "AttributeError: 'TransformStamped' object has no attribute 'point'",
         "the first argument is a message with a header, the second one the transform: "
         "`tf2_geometry_msgs.do_transform_point(point, transform)`.",
+    ),
+    (
+        "buffer = Buffer()\n"
+        "buffer.set_transform(transform('map', 'base_link', 0), 'test')\n"
+        "buffer.lookup_transform('map', 'base_lnk', Time())",
+        'tf2.LookupException: "base_lnk" passed to lookupTransform argument source_frame does not exist.',
+        "did you mean 'base_link'? The buffer contains it.",
+    ),
+    (
+        "buffer = Buffer()\n"
+        "buffer.set_transform(transform('map', 'base_link', 0), 'test')\n"
+        "buffer.lookup_transform('map', 'camera', Time())",
+        'tf2.LookupException: "camera" passed to lookupTransform argument source_frame does not exist.',
+        "the buffer contains base_link and map, but not camera. A node that can continue without "
+        "the frame catches TransformException.",
+    ),
+    (
+        "Buffer().lookup_transform('map', 'base', Time(), timeout=1.0)",
+        "TypeError: unsupported operand type(s) for +: 'Time' and 'float'",
+        "the timeout is a Duration and not a number: `Duration(seconds=1.0)`.",
+    ),
+    (
+        "Buffer().lookup_transform('map', 'base', Time)",
+        "TypeError: int() argument must be a string, a bytes-like object or a real number, not 'property'",
+        "a class stands where an object is needed: create one with ( ), as in `Time()`.",
     ),
 ]

@@ -266,7 +266,8 @@ MESSAGES = [
         "PoseStamped().pose.orientation.yaw",
         "AttributeError: 'Quaternion' object has no attribute 'yaw'",
         "a quaternion does not contain an angle: a rotation by yaw about z is "
-        "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`, and the inverse is `yaw = 2 * atan2(q.z, q.w)`.",
+        "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`, and the inverse is `yaw = 2 * atan2(q.z, "
+        "q.w)`.",
     ),
     (
         "PoseStamped().header = str(PoseStamped().header)",
@@ -340,5 +341,105 @@ MESSAGES = [
         "from sensor_msgs.msg import JointState\nstate = JointState()\nstate.position += [0.1, 0.2]",
         'TypeError: can only extend array with array (not "list")',
         "a field of numbers is an array: extend adds a list to it, `state.position.extend([0.1, 0.2])`.",
+    ),
+    (
+        "from std_msgs.msg import Bool\nBool().data = 1",
+        "AssertionError: The 'data' field must be of type 'bool'",
+        "write True or False, without quotes. A comparison gives one of them, too.",
+    ),
+    (
+        "from std_msgs.msg import Bool\nBool().data = 'True'",
+        "AssertionError: The 'data' field must be of type 'bool'",
+        "write True or False, without quotes. A comparison gives one of them, too.",
+    ),
+    (
+        "String().data = b'text'",
+        "AssertionError: The 'data' field must be of type 'str'",
+        "these are bytes: `bytes(2).decode()` makes a string of them.",
+    ),
+    (
+        "String().data = ['a', 'b']",
+        "AssertionError: The 'data' field must be of type 'str'",
+        "this is a list, and the field takes one string: `', '.join(['a', 'b'])` joins strings.",
+    ),
+    (
+        "from sensor_msgs.msg import Image\nimport numpy as np\nImage().encoding = np.uint8",
+        "AssertionError: The 'encoding' field must be of type 'str'",
+        "an encoding is a name in quotes, like 'rgb8' or 'mono8'.",
+    ),
+    (
+        "from builtin_interfaces.msg import Time\nTime().sec = 1.5",
+        "AssertionError: The 'sec' field must be of type 'int'",
+        "sec has the whole seconds, nanosec the rest: `self.get_clock().now().to_msg()` fills "
+        "both. For another time: `Time(seconds=1.5).to_msg()`.",
+    ),
+    (
+        "from geometry_msgs.msg import PoseWithCovariance\nPoseWithCovariance().covariance = [0.0] * 6",
+        "AssertionError: The 'covariance' field must be a set or sequence with length 36 and each "
+        "value of type 'float' and each double in "
+        "[-179769313486231570814527423731704356798070567525844996598917476803157260780028538760589558632766878171540458953514382464234321326889464182768467546703537516986049910576",
+        "the field takes 36 numbers, and this list has 6.",
+    ),
+    (
+        "from geometry_msgs.msg import PoseWithCovariance\n"
+        "import numpy as np\n"
+        "PoseWithCovariance().covariance = np.eye(6)",
+        "AssertionError: The 'covariance' numpy.ndarray() must have a size of 36",
+        "this is an array of 2 dimensions, and the field takes one: `matrix.ravel()` is flat.",
+    ),
+    (
+        "from visualization_msgs.msg import MarkerArray\nMarkerArray().markers = [Marker]",
+        "AssertionError: The 'markers' field must be a set or sequence and each value of type 'Marker'",
+        "item 0 is the class Marker: create an object, with `Marker()`.",
+    ),
+    (
+        "Float64MultiArray().layout.dim = [('rows', 2, 2)]",
+        "AssertionError: The 'dim' field must be a set or sequence and each value of type "
+        "'MultiArrayDimension'",
+        "use a list of them: `[MultiArrayDimension(label='text', size=1, stride=1)]`.",
+    ),
+    (
+        "from std_msgs.msg import Byte\nByte().data = 1",
+        "AssertionError: The 'data' field must be of type 'bytes' or 'ByteString' with length 1",
+        "this field takes one byte: `bytes([1])`.",
+    ),
+    (
+        "Marker().action = 'DELETE'",
+        "AssertionError: The 'action' field must be of type 'int'",
+        "use a constant, like `Marker.DELETE`.",
+    ),
+    (
+        "feedback = Fibonacci.Feedback()\nfeedback.partial_sequence = [1]",
+        "AttributeError: 'Fibonacci_Feedback' object has no attribute 'partial_sequence'",
+        "did you mean `sequence`? `%ros2 interface show example_interfaces/action/Fibonacci` "
+        "lists its fields.",
+    ),
+    (
+        "from geometry_msgs.msg import TransformStamped\nTransformStamped().pose",
+        "AttributeError: 'TransformStamped' object has no attribute 'pose'",
+        "did you mean `transform`? `%ros2 interface show geometry_msgs/msg/TransformStamped` "
+        "lists its fields.",
+    ),
+    (
+        "from geometry_msgs.msg import Point\nx, y, z = Point()",
+        "TypeError: cannot unpack non-iterable Point object",
+        "a Point is a single object: read its fields by their names.",
+    ),
+    (
+        "from sensor_msgs.msg import JointState\nJointState(position=[1.0, 2.0]).position + 1.0",
+        'TypeError: can only append array (not "float") to array',
+        "numbers in a message are in an array of Python, which does not compute: "
+        "`np.array(state.position) * 2.0`.",
+    ),
+    (
+        "from sensor_msgs.msg import LaserScan\nscan = LaserScan(ranges=[1.0] * 10)\nscan.ranges[180]",
+        "IndexError: array index out of range",
+        "scan.ranges has 10 items, from [0] to [9], so not [180].",
+    ),
+    (
+        "from sensor_msgs.msg import LaserScan\nscan = LaserScan(ranges=[1.0] * 10)\nscan.ranges < 1.5",
+        "TypeError: '<' not supported between instances of 'array.array' and 'float'",
+        "numbers in a message are in an array of Python, which does not compute: "
+        "`np.array(state.position) * 2.0`.",
     ),
 ]

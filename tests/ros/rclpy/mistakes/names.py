@@ -165,7 +165,8 @@ NAMES = [
         "Marker().pose.orientation.yaw = 1.0",
         "AttributeError: 'Quaternion' object has no attribute 'yaw'",
         "a quaternion does not contain an angle: a rotation by yaw about z is "
-        "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`, and the inverse is `yaw = 2 * atan2(q.z, q.w)`.",
+        "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`, and the inverse is `yaw = 2 * atan2(q.z, "
+        "q.w)`.",
     ),
     (
         ROBOT.format(line="self.publish(String())"),

@@ -105,7 +105,8 @@ NODES = [
     (
         "node.create_timer(0.1, print('tick'))\nrclpy.spin(node)",
         "TypeError: 'NoneType' object is not callable",
-        "pass the function itself, without (): `self.tick`, not self.tick(). A method with @property is "
+        "pass the function itself, without (): `self.tick`, not self.tick(). A method with "
+        "@property is "
         "called, too.",
     ),
     (
@@ -371,5 +372,33 @@ NODES = [
         "Robot()",
         "AttributeError: 'Robot' object has no attribute 'clock'",
         "did you mean `self.get_clock()`?",
+    ),
+    (
+        "from rclpy.callback_groups import ReentrantCallbackGroup\n"
+        "node.create_timer(1.0, print, callback_group=ReentrantCallbackGroup)",
+        "TypeError: CallbackGroup.add_entity() missing 1 required positional argument: 'entity'",
+        "this is a class of callback groups: create an object of it, with ( ).",
+    ),
+    (
+        "from rclpy.executors import SingleThreadedExecutor\nSingleThreadedExecutor(node)",
+        "TypeError: SingleThreadedExecutor.__init__() takes 1 positional argument but 2 were given",
+        "an executor gets its nodes afterwards: `executor.add_node(node)`.",
+    ),
+    (
+        "rclpy.spin([node, Node('other')])",
+        "TypeError: unhashable type: 'list'",
+        "one node is needed here, and this is a list. An executor runs several: call "
+        "`executor.add_node(node)` for each of them, and then executor.spin().",
+    ),
+    (
+        "Node('a_name', '/robot')",
+        "TypeError: Node.__init__() takes 2 positional arguments but 3 were given",
+        "Node takes the name, and all other values by their names: `Node('a_name', namespace='/robot')`.",
+    ),
+    (
+        "class Other(Node):\n    pass\nOther('other').trigger_configure()",
+        "AttributeError: 'Other' object has no attribute 'trigger_configure'",
+        "only a lifecycle node has this method: derive the class from LifecycleNode, `from "
+        "rclpy.lifecycle import LifecycleNode`.",
     ),
 ]

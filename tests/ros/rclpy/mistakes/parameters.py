@@ -98,8 +98,52 @@ PARAMETERS = [
     ),
     (
         "node.declare_parameters('', ['speed', 'frame_id'])",
-        "TypeError: Invalid parameter tuple length at index 0 in parameters list: speed; expecting length "
+        "TypeError: Invalid parameter tuple length at index 0 in parameters list: speed; "
+        "expecting length "
         "between 1 and 3",
         "each parameter is a pair: `self.declare_parameters('', [('speed', 1.0), ('frame_id', 'map')])`.",
+    ),
+    (
+        "from rcl_interfaces.msg import Parameter\nParameter.Type.DOUBLE",
+        "AttributeError: type object 'Parameter' has no attribute 'Type'",
+        "this is the message Parameter of rcl_interfaces. The class for nodes is another one: "
+        "`from rclpy.parameter import Parameter`.",
+    ),
+    (
+        "from rcl_interfaces.msg import Parameter\nParameter('speed', value=2.0)",
+        "TypeError: Parameter.__init__() takes 1 positional argument but 2 were given",
+        "this is the message Parameter of rcl_interfaces. The class for nodes is another one: "
+        "`from rclpy.parameter import Parameter`.",
+    ),
+    (
+        "node.declare_parameter('speed', 1.0)\nnode.set_parameters(Parameter('speed', value=2.0))",
+        "TypeError: 'Parameter' object is not iterable",
+        "this is a single parameter, and set_parameters takes a list: `self.set_parameters([parameter])`.",
+    ),
+    (
+        "Parameter('speed', 2.0)",
+        "TypeError: type must be an instance of '<enum 'Type'>'",
+        "pass the value by its name: `Parameter('speed', value=2.0)`.",
+    ),
+    (
+        "Parameter('speed', Parameter.Type.DOUBLE, 2)",
+        "ValueError: Type 'Type.DOUBLE' and value '2' do not agree",
+        "the value is not of type DOUBLE, and a double has a point. Without the type, the value "
+        "decides: `Parameter('speed', value=2.0)`.",
+    ),
+    (
+        "node.add_on_set_parameters_callback(print())",
+        "TypeError: ('Callback must be callable, got {}', <class 'NoneType'>)",
+        "pass the function itself, without ( ): `self.add_on_set_parameters_callback(f)`.",
+    ),
+    (
+        "node.declare_parameter(1.0, 'speed')",
+        "TypeError: First element 1.0 at index 0 in parameters list is not a str.",
+        "the name comes first, then the default value: `self.declare_parameter('a_name', 1.0)`.",
+    ),
+    (
+        "node.declare_parameter('period', 1.0)\nnode.create_timer(node.get_parameter('period'), print)",
+        "TypeError: float() argument must be a string or a real number, not 'Parameter'",
+        "the period is a parameter: read its value, `self.get_parameter('a_name').value`.",
     ),
 ]

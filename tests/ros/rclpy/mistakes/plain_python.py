@@ -10,13 +10,15 @@ PLAIN_PYTHON = [
     (
         "f'{2.0:.1q}'",
         "ValueError: Unknown format code 'q' for object of type 'float'",
-        "after the colon in { } is a format, such as .2f for a number with two decimals, or d for a "
+        "after the colon in { } is a format, such as .2f for a number with two decimals, or d for "
+        "a "
         "whole number.",
     ),
     (
         "def turn(angle):\n    math = 3\n    return math.cos(angle)\nturn(1.0)",
         "AttributeError: 'int' object has no attribute 'cos'",
-        "math is a variable here, math = …, and hides the module math: choose another name for it, and "
+        "math is a variable here, math = …, and hides the module math: choose another name for "
+        "it, and "
         "import the module again.",
     ),
     (
@@ -42,7 +44,8 @@ PLAIN_PYTHON = [
     (
         "rows = list\nrows.append([1.0])",
         "TypeError: list.append() takes exactly one argument (0 given)",
-        "append takes one item, in ( ). If one is there, the name stands for the class list itself: "
+        "append takes one item, in ( ). If one is there, the name stands for the class list "
+        "itself: "
         "an empty list is `[]`.",
     ),
     (
@@ -68,7 +71,8 @@ PLAIN_PYTHON = [
     (
         "def lowest(items):\n    round = 3\n    return [round(item) for item in items]\nlowest([1.5])",
         "TypeError: 'int' object is not callable",
-        "round is a variable here, round = …, and hides Python's round(): choose another name for it. "
+        "round is a variable here, round = …, and hides Python's round(): choose another name for "
+        "it. "
         "In a notebook, del round gives back Python's own.",
     ),
     (
@@ -188,7 +192,8 @@ PLAIN_PYTHON = [
     (
         "markers = {}\nmarkers.append(1)",
         "AttributeError: 'dict' object has no attribute 'append'",
-        "{ } is an empty dictionary, and an empty list is `[]`. A dictionary gets an entry by its key: "
+        "{ } is an empty dictionary, and an empty list is `[]`. A dictionary gets an entry by its "
+        "key: "
         "`dict()['known'] = 1.0`.",
     ),
     (
@@ -199,7 +204,8 @@ PLAIN_PYTHON = [
     (
         "markers = None\nmarkers.append(1)",
         "AttributeError: 'NoneType' object has no attribute 'append'",
-        "this is None, which has no append: begin with an empty list, `items = []`. append itself returns "
+        "this is None, which has no append: begin with an empty list, `items = []`. append itself "
+        "returns "
         "None, so no = stands before it.",
     ),
     (
@@ -713,7 +719,8 @@ PLAIN_PYTHON = [
         "import numpy as np\np = np.array([0, 0])\np += 0.5",
         "_UFuncOutputCastingError: Cannot cast ufunc 'add' output from dtype('float64') to "
         "dtype('int64') with casting rule 'same_kind'",
-        "this array has whole numbers only: begin it with decimal points, `np.array([0.0, 0.0])`, or "
+        "this array has whole numbers only: begin it with decimal points, `np.array([0.0, 0.0])`, "
+        "or "
         "dtype=float.",
     ),
     (
@@ -749,7 +756,8 @@ PLAIN_PYTHON = [
     (
         "Node = 3\nclass Robot(Node):\n    pass",
         "TypeError: int() takes at most 2 arguments (3 given)",
-        "Node is a variable here, Node = …, and hides the class Node: choose another name for it, and "
+        "Node is a variable here, Node = …, and hides the class Node: choose another name for it, "
+        "and "
         "import the class again.",
     ),
     (
@@ -779,20 +787,24 @@ PLAIN_PYTHON = [
     ),
     (
         "import numpy as np\nnp.deg2rad('90')",
-        "TypeError: ufunc 'deg2rad' not supported for the input types, and the inputs could not be safely "
+        "TypeError: ufunc 'deg2rad' not supported for the input types, and the inputs could not "
+        "be safely "
         "coerced to any supported types according to the casting rule ''safe''",
-        "numpy computes with numbers, and one of these is a string or None: print it. `float('90')` makes a "
+        "numpy computes with numbers, and one of these is a string or None: print it. "
+        "`float('90')` makes a "
         "number of a string.",
     ),
     (
         "import numpy as np\nnp.dot([1, 2], [1, 2], [3])",
         "TypeError: 'out' must be an array",
-        "np.dot and np.matmul take two values, and the third is where the result is stored: multiply with "
+        "np.dot and np.matmul take two values, and the third is where the result is stored: "
+        "multiply with "
         "@, one after the other.",
     ),
     (
         "import numpy as np\nnp.array([1.0, 2.0])[0.5]",
-        "IndexError: only integers, slices (`:`), ellipsis (`...`), numpy.newaxis (`None`) and integer or "
+        "IndexError: only integers, slices (`:`), ellipsis (`...`), numpy.newaxis (`None`) and "
+        "integer or "
         "boolean arrays are valid indices",
         "an index is a whole number: // divides without a fraction, and int(…) cuts it off.",
     ),
@@ -835,5 +847,125 @@ PLAIN_PYTHON = [
         "next(iter([]))",
         "StopIteration",
         "next(…) is at the end of its iterator: use a for loop, or pass a default, `next(iter([]), None)`.",
+    ),
+    (
+        "import numpy as np\nnp.zeros(3).shape()",
+        "TypeError: 'tuple' object is not callable",
+        ".shape is a value and not a function: leave out its ( ).",
+    ),
+    (
+        "[[1, 2], [3, 4]][0, 1]",
+        "TypeError: list indices must be integers or slices, not tuple",
+        "a list of lists is indexed twice, as in [0][1]. Only an array takes two indices in one "
+        "pair of brackets, `matrix[0, 0]`.",
+    ),
+    (
+        "import numpy as np\nnp.append(np.zeros((2, 3)), [1.0, 2.0, 3.0], axis=0)",
+        "ValueError: all the input arrays must have same number of dimensions, but the array at "
+        "index 0 has 2 dimension(s) and the array at index 1 has 1 dimension(s)",
+        "one is a row and the other a matrix: a row in [ ] of its own is a matrix, `np.array([[1.0, 2.0]])`.",
+    ),
+    (
+        "import numpy as np\nnp.concatenate([1.0], [2.0])",
+        "TypeError: 'list' object cannot be interpreted as an integer",
+        "concatenate takes the arrays in one list: `np.concatenate([[1.0], [2.0]])`.",
+    ),
+    (
+        "import numpy as np\nnp.vstack([1.0], [2.0])",
+        "TypeError: vstack() takes 1 positional argument but 2 were given",
+        "vstack takes the arrays in one list: `np.vstack([[1.0, 2.0], [3.0, 4.0]])`.",
+    ),
+    (
+        "import numpy as np\nnp.concatenate([np.zeros((2, 3)), np.zeros((2, 2))])",
+        "ValueError: all the input array dimensions except for the concatenation axis must match "
+        "exactly, but along dimension 1, the array at index 0 has size 3 and the array at index 1 "
+        "has size 2",
+        "the sizes do not fit: print .shape of each array.",
+    ),
+    (
+        "import numpy as np\nnp.linalg.norm(np.zeros(3), axis=1)",
+        "numpy.exceptions.AxisError: axis 1 is out of bounds for array of dimension 1",
+        "axes are counted from 0, and this array has 1: print its shape. Without axis, the "
+        "function uses all numbers.",
+    ),
+    (
+        "import numpy as np\nnp.linalg.inv(np.zeros((2, 2)))",
+        "numpy.linalg.LinAlgError: Singular matrix",
+        "this matrix has no inverse: print it. Is a row or a column 0, or are two of them the same?",
+    ),
+    (
+        "import numpy as np\nnp.linalg.inv(np.zeros((2, 3)))",
+        "numpy.linalg.LinAlgError: Last 2 dimensions of the array must be square",
+        "only a square matrix has an inverse: print its shape.",
+    ),
+    (
+        "import numpy as np\nnp.math.sin(1.0)",
+        "AttributeError: module 'numpy' has no attribute 'math'",
+        "the functions of math are in `import math`, and numpy has functions of its own, like `np.sin(1.0)`.",
+    ),
+    (
+        "import numpy as np\nnp.float(1)",
+        "The aliases was originally deprecated in NumPy 1.20; for more details and guidance see "
+        "the original release note at:",
+        "write float, without np.",
+    ),
+    (
+        "import numpy as np\nnp.arctan2(1.0)",
+        "TypeError: arctan2() takes from 2 to 3 positional arguments but 1 was given",
+        "arctan2 takes two values: `np.arctan2(1.0, 2.0)`, y and then x.",
+    ),
+    (
+        "import numpy as np\n[1, 2, 3][np.float64(1.0)]",
+        "TypeError: list indices must be integers or slices, not numpy.float64",
+        "an index is a whole number: // instead of /, or int(…).",
+    ),
+    (
+        "for i in range(0, 1, 0.1):\n    pass",
+        "TypeError: 'float' object cannot be interpreted as an integer",
+        "range has whole numbers only: `np.arange(0.0, 1.0, 0.1)` has steps of a tenth.",
+    ),
+    (
+        "import numpy as np\nmatrix = np.eye(4)\nmatrix[:3, 3] = [1.0, 2.0]",
+        "ValueError: could not broadcast input array from shape (2,) into shape (3,)",
+        "the shapes do not match: print .shape of both sides.",
+    ),
+    (
+        "import numpy as np\nmatrix = np.eye(4)\nmatrix[:3, 3] = [[1.0], [2.0], [3.0]]",
+        "ValueError: setting an array element with a sequence. The requested array would exceed "
+        "the maximum number of dimension of 1.",
+        "one number is needed for each place, and a list stands there: print .shape of both sides.",
+    ),
+    (
+        "round('1.5')",
+        "TypeError: type str doesn't define __round__ method",
+        "this is a string: `round(float('1.5'))`.",
+    ),
+    ("values = {'1': 1.0}\nvalues[1]", "KeyError: 1", "the key is a string, '1', and not 1."),
+    ("values = {1: 1.0}\nvalues['1']", "KeyError: '1'", "the key is a number, 1, and not '1'."),
+    (
+        "'{x}'.format(y=1.0)",
+        "KeyError: 'x'",
+        "format( ) gets no value with the name x: write x=… in its ( ).",
+    ),
+    (
+        "open('data.csv')",
+        "FileNotFoundError: [Errno 2] No such file or directory: 'data.csv'",
+        "a file name without a folder is looked up where the program was started, and in a "
+        "notebook beside it: `os.listdir()` lists the files there.",
+    ),
+    (
+        "values = {'a': 1, 'b': 2}\nfor key in values:\n    del values[key]",
+        "RuntimeError: dictionary changed size during iteration",
+        "the loop changes what it loops over: loop over a copy, as in `for item in list(items)`.",
+    ),
+    (
+        "r, g, b = 'gray'",
+        "ValueError: too many values to unpack (expected 3)",
+        "the right side is the string 'gray', of which each letter is a value: write numbers.",
+    ),
+    (
+        "GRAY = 'gray'\nr, g, b = GRAY",
+        "ValueError: too many values to unpack (expected 3)",
+        "the right side is the string 'gray', of which each letter is a value: write numbers.",
     ),
 ]

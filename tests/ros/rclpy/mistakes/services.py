@@ -63,7 +63,7 @@ SERVICES = [
         "ActionClient(node, Fibonacci, 'count').send_goal_async(Fibonacci.Goal())\n"
         "rclpy.spin(node)",
         "AssertionError: The 'result' field must be a sub message of type 'Fibonacci_Result'",
-        "end the callback with return MyAction.Result().",
+        "end the callback with return Fibonacci.Result().",
     ),
     (
         "ActionClient(node, Fibonacci, 'count').send_goal_async(5)",
@@ -101,5 +101,95 @@ SERVICES = [
         "TypeError: __init__(): incompatible constructor arguments.",
         "pass the type first, then the name in quotes: `self.create_service(AddTwoInts, "
         "'/a_service', self.answer)`.",
+    ),
+    (
+        "class Other(Node):\n"
+        "    def done(self): ...\n"
+        "node.create_service(AddTwoInts, 'add', lambda request, response: response)\n"
+        "client = node.create_client(AddTwoInts, 'add')\n"
+        "client.call_async(AddTwoInts.Request()).add_done_callback(Other('other').done)\n"
+        "rclpy.spin(node)",
+        "TypeError: Other.done() takes 1 positional argument but 2 were given",
+        "the callback of a future gets the future: write `def done(self, future)`. The response "
+        "is future.result().",
+    ),
+    (
+        "node.create_service(AddTwoInts, 'add', lambda request, response: response)\n"
+        "client = node.create_client(AddTwoInts, 'add')\n"
+        "future = client.call_async(AddTwoInts.Request())\n"
+        "rclpy.spin_until_future_complete(node, future)\n"
+        "future.sum",
+        "AttributeError: 'Future' object has no attribute 'sum'",
+        "this future is done: the field is in its result, future.result().sum.",
+    ),
+    (
+        "def done(future):\n"
+        "    print(future.result().sum)\n"
+        "client = node.create_client(AddTwoInts, 'add')\n"
+        "future = client.call_async(AddTwoInts.Request())\n"
+        "future.add_done_callback(done(future))",
+        "AttributeError: 'NoneType' object has no attribute 'sum'",
+        "add_done_callback gets the function itself, without ( ): add_done_callback(done).",
+    ),
+    (
+        "ActionServer(node, 'count', Fibonacci, print)",
+        "AttributeError: type object 'str' has no attribute '_TYPE_SUPPORT' This might be a ROS 1 "
+        "message type but it should be a ROS 2 message type. Make sure to source your ROS 2 "
+        "workspace after your ROS 1 workspace.",
+        "after the node, the type comes first, then the name in quotes: `ActionServer(self, "
+        "Fibonacci, '/an_action', self.execute)`.",
+    ),
+    (
+        "ActionClient(node, 'count', Fibonacci)",
+        "AttributeError: type object 'str' has no attribute '_TYPE_SUPPORT' This might be a ROS 1 "
+        "message type but it should be a ROS 2 message type. Make sure to source your ROS 2 "
+        "workspace after your ROS 1 workspace.",
+        "after the node, the type comes first, then the name in quotes: `ActionClient(self, "
+        "Fibonacci, '/an_action')`.",
+    ),
+    (
+        "ActionServer(Fibonacci, 'count', print)",
+        "TypeError: ActionServer.__init__() missing 1 required positional argument: 'execute_callback'",
+        "the node comes first: `ActionServer(self, Fibonacci, '/an_action', self.execute)`.",
+    ),
+    (
+        "def execute():\n"
+        "    return Fibonacci.Result()\n"
+        "ActionServer(node, Fibonacci, 'count', execute)\n"
+        "ActionClient(node, Fibonacci, 'count').send_goal_async(Fibonacci.Goal())\n"
+        "rclpy.spin_once(node, timeout_sec=0.1)\n"
+        "rclpy.spin_once(node, timeout_sec=0.1)\n"
+        "rclpy.spin_once(node, timeout_sec=0.1)",
+        "TypeError: execute() takes 0 positional arguments but 1 was given",
+        "the callback of an action server gets the goal handle: write `def execute(goal_handle)`. "
+        "The goal is goal_handle.request.",
+    ),
+    (
+        "def execute(goal):\n"
+        "    goal.succeed()\n"
+        "    goal.succeed()\n"
+        "ActionServer(node, Fibonacci, 'count', execute)\n"
+        "ActionClient(node, Fibonacci, 'count').send_goal_async(Fibonacci.Goal())\n"
+        "rclpy.spin_once(node, timeout_sec=0.1)\n"
+        "rclpy.spin_once(node, timeout_sec=0.1)\n"
+        "rclpy.spin_once(node, timeout_sec=0.1)",
+        "rclpy.exceptions.RCLError: Failed to update goal state: goal_handle attempted invalid "
+        "transition from state SUCCEEDED with event SUCCEED",
+        "a goal ends once: call only one of succeed(), abort() and canceled() for it.",
+    ),
+    (
+        "def execute(goal):\n"
+        "    goal.succeed()\n"
+        "    return Fibonacci.Result\n"
+        "ActionServer(node, Fibonacci, 'count', execute)\n"
+        "ActionClient(node, Fibonacci, 'count').send_goal_async(Fibonacci.Goal())\n"
+        "rclpy.spin(node)",
+        "AssertionError: The 'result' field must be a sub message of type 'Fibonacci_Result'",
+        "this is the class Fibonacci.Result: create an object, with `Fibonacci.Result()`.",
+    ),
+    (
+        "Fibonacci()",
+        "NotImplementedError: Action classes can not be instantiated",
+        "create its goal: `Fibonacci.Goal(order=5)`.",
     ),
 ]

@@ -16,7 +16,9 @@ TIMES = [
     (
         "node.get_clock().now() - Time()",
         "TypeError: Can't subtract times with different clock types",
-        "write `Time(clock_type=ClockType.ROS_TIME)`.",
+        "take both times from one clock, `self.get_clock().now()`. A Time that you create is of "
+        "this clock with "
+        "`Time(clock_type=ClockType.ROS_TIME)`.",
     ),
     (
         "node.get_clock().now() > 5.0",
@@ -72,7 +74,8 @@ TIMES = [
     (
         "float(Duration(seconds=1.0))",
         "TypeError: float() argument must be a string or a real number, not 'Duration'",
-        "its length in seconds is `Duration(seconds=1.0).nanoseconds / 1e9`, and a Time has nanoseconds, "
+        "its length in seconds is `Duration(seconds=1.0).nanoseconds / 1e9`, and a Time has "
+        "nanoseconds, "
         "too.",
     ),
     (
@@ -80,5 +83,26 @@ TIMES = [
         "TypeError: Must pass a builtin_interfaces.msg.Time object",
         "Time.from_msg converts a stamp of a message. The time of a clock is a Time already: "
         "`self.get_clock().now()`.",
+    ),
+    (
+        "import time\ntime.sleep(Duration(seconds=1.0))",
+        "TypeError: 'Duration' object cannot be interpreted as an integer",
+        "time.sleep takes a number of seconds, like 0.5, and not a Duration.",
+    ),
+    (
+        "node.create_timer(Duration(seconds=1.0), print)",
+        "TypeError: float() argument must be a string or a real number, not 'Duration'",
+        "the period is a number of seconds and not a Duration: `self.create_timer(1.0, self.tick)`.",
+    ),
+    (
+        "from builtin_interfaces.msg import Time\nTime() < Time()",
+        "TypeError: '<' not supported between instances of 'Time' and 'Time'",
+        "stamps of messages cannot be compared. Convert both: `Time.from_msg(stamp)`.",
+    ),
+    (
+        "from rclpy.time import Time as time\ntime.sleep(1.0)",
+        "AttributeError: type object 'Time' has no attribute 'sleep'",
+        "time is the class Time and hides the module time: choose another name for it, and import "
+        "the module again.",
     ),
 ]

@@ -196,4 +196,25 @@ TOPICS = [
         "AttributeError: 'dict' object has no attribute 'data'",
         "self is the String here: pass the method of the object, self.heard.",
     ),
+    (
+        "QoSProfile(10)",
+        "TypeError: QoSProfile.__init__() takes 1 positional argument but 2 were given",
+        "pass each value by its name: `QoSProfile(depth=10)`.",
+    ),
+    (
+        "QoSProfile(depth=10, reliability='best_effort')",
+        "AssertionError",
+        "a policy is a constant of ReliabilityPolicy in rclpy.qos, as in `ReliabilityPolicy.BEST_EFFORT`.",
+    ),
+    (
+        "QoSProfile(depth=10, deadline=1.0)",
+        "AssertionError",
+        "pass a Duration: `Duration(seconds=1.0)`.",
+    ),
+    (
+        "from rclpy.qos import QoSPresetProfiles\n"
+        "node.create_subscription(String, 'x', print, QoSPresetProfiles.SENSOR_DATA)",
+        "TypeError: Expected QoSProfile or int, but received <enum 'QoSPresetProfiles'>",
+        "the profile of a preset is its value: `QoSPresetProfiles.SENSOR_DATA.value`.",
+    ),
 ]

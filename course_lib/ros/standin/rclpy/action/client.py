@@ -15,6 +15,7 @@ from unique_identifier_msgs.msg import UUID
 
 from course_lib.ros.mistakes import Mistake, marked
 from course_lib.ros.time.time_lock import time_lock
+from course_lib.ros.tracebacks import explain_interrupts
 from rclpy.callback_groups import CallbackGroup
 from rclpy.client import Client, wait_for_partner
 from rclpy.exceptions import RCLError
@@ -220,7 +221,9 @@ class ActionClient:
         Return whether there is one.
         """
         awaited = f"the action {self._action_name}"
-        return wait_for_partner(self._node.handle, self._course_is_ready, timeout_sec, awaited)
+        why = "" if timeout_sec is not None else f"it waited for {awaited}, whose server is not there."
+        with explain_interrupts(lambda: why):
+            return wait_for_partner(self._node.handle, self._course_is_ready, timeout_sec, awaited)
 
     def destroy(self) -> None:
         """Destroy the clients and subscriptions that make up the action client."""

@@ -125,6 +125,7 @@ class NodeHandle:
         self.id = self.graph.add_node(name, namespace)
         self.graph.state(ProgramNodes).ids.add(self.id)
         self._executor: weakref.ref[NodeExecutor] | None = None
+        self._was_added = False
         self.is_destroyed = False
         # Whether the node has left the graph: it was destroyed or replaced, or its context was shut
         # down.
@@ -143,6 +144,8 @@ class NodeHandle:
         self.graph.state(ProgramNodes).unspun.pop(self.id, None)
         if executor is not None:
             self.graph.state(ProgramNodes).forget_error(self.full_name)
+            self._was_added = True
+            self.graph.state(ProgramNodes).callbacks.pop(self.full_name, None)
 
     @property
     def full_name(self) -> str:
@@ -179,6 +182,12 @@ class NodeHandle:
         """Record, for a warning, a ready timer or message while no executor spins the node."""
         if self._executor is None and not self.has_left:
             self.graph.state(ProgramNodes).unspun[self.id] = self.full_name
+
+    def count_callbacks(self, change: int) -> None:
+        """Record new or destroyed timers and subscriptions of a node that no executor has spun."""
+        if not self._was_added:
+            callbacks = self.graph.state(ProgramNodes).callbacks
+            callbacks[self.full_name] = callbacks.get(self.full_name, 0) + change
 
     def next_entity(self) -> int:
         """Return the number of the next entity of the node, which orders simultaneous events."""
