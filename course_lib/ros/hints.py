@@ -176,7 +176,7 @@ def _foreign_letter_hint(error: BaseException, text: str) -> str:
 def _field_hint(types: Sequence[str], attribute: str, line: str) -> str:
     """Return the hint for a field or a constant that a message does not have, in a student's line."""
     definitions = [definition(name) for name in types]
-    names = [n for one in definitions for n in (*one.constants, *(field.name for field in one.fields))]
+    names = [n for type_ in definitions for n in (*type_.constants, *(f.name for f in type_.fields))]
     # The fields of a service or an action are shown under its name: Trigger for Trigger_Request.
     shown = re.sub(r"(/(?:srv|action)/[^_]+)_\w+$", r"\1", types[0])
     show = f"`%ros2 interface show {shown}` lists its fields."
@@ -184,7 +184,7 @@ def _field_hint(types: Sequence[str], attribute: str, line: str) -> str:
         turn = "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`"
         back = "the inverse is `yaw = 2 * atan2(q.z, q.w)`"
         return f"a quaternion does not contain an angle: a rotation by yaw about z is {turn}, and {back}."
-    lists = [f.name for one in definitions for f in one.fields if f.container != "scalar"]
+    lists = [f.name for type_ in definitions for f in type_.fields if f.container != "scalar"]
     if attribute in dir(list) and len(lists) == 1:
         return f"did you mean `{lists[0]}.{attribute}`? {show}"
     if attribute == "publish":
@@ -194,7 +194,7 @@ def _field_hint(types: Sequence[str], attribute: str, line: str) -> str:
         return f"{called[1]} is a message here and not a Buffer: look where it is set a second time."
     if attribute == "to_msg":
         return f"this is a message already: leave out .to_msg(). {show}"
-    constants = [name for one in definitions for name in one.constants]
+    constants = [name for type_ in definitions for name in type_.constants]
     if attribute.isupper() and (similar := near_names.near_field(attribute, constants)):
         return f"did you mean `{similar}`? {show}"
     direct = [name for name in near_names.synonyms(attribute) if name in names]
@@ -259,14 +259,14 @@ def _rclpy_attribute_hint(error: BaseException) -> str:
             return f"import it: `{line}`."
     else:
         kinds = type.mro(thing) if isinstance(thing, type) else type(thing).__mro__
-        owners = [f"{one.__module__}.{one.__qualname__}" for one in kinds]
+        owners = [f"{kind.__module__}.{kind.__qualname__}" for kind in kinds]
         # A student's node may have a publisher of its own, which is more likely to be meant.
         if near_names.attribute_hint(error).startswith("did you mean `self."):
             return ""
     for owner in owners:
-        for one in _HINTS[_OF_RCLPY] if owner.startswith("rclpy") else ():
-            if re.search(one.text, f"{owner}.{name}"):
-                return one.hint
+        for row in _HINTS[_OF_RCLPY] if owner.startswith("rclpy") else ():
+            if re.search(row.text, f"{owner}.{name}"):
+                return row.hint
     return ""
 
 
@@ -275,16 +275,16 @@ def _table_hint(error: BaseException, text: str) -> str:
 
     A group ending in "()" becomes a call with the message's fields.
     """
-    for one in _HINTS.get(type(error).__name__, ()):
-        match = re.search(one.text, text)
-        if match and one.mistake in (None, mistake_of(error)):
+    for row in _HINTS.get(type(error).__name__, ()):
+        match = re.search(row.text, text)
+        if match and row.mistake in (None, mistake_of(error)):
             groups = (match[0], *match.groups())
             calls = [near_names.call_with_fields(group or "") or f"{group}()" for group in groups]
             frame = near_names.frame_of(error)
             # The name of the callback that rclpy rejects, or an example of one.
             name = getattr(frame.f_locals.get("callback") if frame else None, "__name__", "")
             method = name if isinstance(name, str) and name.isidentifier() else "heard"
-            return one.hint.format(*groups, call=calls[-1], method=method)
+            return row.hint.format(*groups, call=calls[-1], method=method)
     return ""
 
 
@@ -363,7 +363,7 @@ def _tf_hint(error: BaseException, text: str) -> str:
     frames = [frame for frame, _ in walk_tb(error.__traceback__)]
     line = near_names.line_of_student(error)
     if isinstance(error, AttributeError) and any(
-        one.f_code.co_name.startswith("do_transform_") for one in frames
+        frame.f_code.co_name.startswith("do_transform_") for frame in frames
     ):
         return (
             "the first argument is a message with a header, the second one the transform: "
@@ -374,7 +374,7 @@ def _tf_hint(error: BaseException, text: str) -> str:
         return (
             "a buffer takes no node: `Buffer()`. The listener does, `TransformListener(self.buffer, self)`."
         )
-    callers = {one.f_code.co_name for one in frames}
+    callers = {frame.f_code.co_name for frame in frames}
     if re.search("'Time' and '(float|int)'", text) and {"lookup_transform", "can_transform"} & callers:
         return "the timeout is a Duration and not a number: `Duration(seconds=1.0)`."
     if type(error).__name__ == "LookupException" and (found := _frames_hint(error, text)):
@@ -472,7 +472,7 @@ def _parameter_callback_hint(error: BaseException, text: str) -> str:
     """Return the hint for a parameter callback with a wrong signature, or ""."""
     frame = near_names.frame_of(error)
     line = near_names.line_of_student(error)
-    callers = [one.f_code.co_filename for one, _ in walk_tb(error.__traceback__)]
+    callers = [caller.f_code.co_filename for caller, _ in walk_tb(error.__traceback__)]
     is_callback = any(caller.endswith(_PARAMETER_FILE) for caller in callers)
     if is_callback and not callers[-1].endswith(_PARAMETER_FILE) and re.match(r"\s*raise\b", line):
         return (
@@ -503,7 +503,7 @@ def _recursion_hint(error: BaseException) -> str:
         return ""
     code, name = repeated[0], repeated[0].co_name
     if len(repeated) > 1:
-        others = join_words(list(dict.fromkeys(one.co_name for one in repeated[1:])))
+        others = join_words(list(dict.fromkeys(other.co_name for other in repeated[1:])))
         return f"{name} calls {others}, which calls {name} again, endlessly: leave one of these calls out."
     if name == "__init__":
         return "__init__ creates or calls its own class again: begin it with super().__init__('a_name')."
@@ -632,8 +632,8 @@ def _loop_hint(error: BaseException, text: str) -> str:
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next
     if trace is not None and frame is not None:
-        code = (one for one in dis.get_instructions(frame.f_code) if one.offset == trace.tb_lasti)
-        if any(one.opname.startswith(("BINARY_OP", "INPLACE_ADD")) for one in code):
+        code = (step for step in dis.get_instructions(frame.f_code) if step.offset == trace.tb_lasti)
+        if any(step.opname.startswith(("BINARY_OP", "INPLACE_ADD")) for step in code):
             return "+= adds all items of a list. `items.append(item)` adds a single item."
     types = _types_in_error(f"'{name}' object has no attribute")
     lists = [f.name for name in types[:1] for f in definition(name).fields if f.container != "scalar"]
@@ -708,7 +708,7 @@ def _type_hint(kind: object) -> str:
 def _executor_hint(error: BaseException, text: str) -> str:
     """Return the hint for several nodes that are passed to spin, or a node instead of a number, or ""."""
     frame = near_names.frame_of(error)
-    callers = {one.f_code.co_name for one, _ in walk_tb(error.__traceback__)}
+    callers = {caller.f_code.co_name for caller, _ in walk_tb(error.__traceback__)}
     if re.match(r"unhashable type: '(list|set)'", text) and {"spin", "spin_once", "add_node"} & callers:
         return (
             "one node is needed here, and this is a list. An executor runs several: call "
@@ -736,7 +736,7 @@ def _operand_hint(error: BaseException, text: str) -> str:
     """Return the hint for a message with which a program computes, or ""."""
     if not isinstance(error, TypeError):
         return ""
-    match = next((found for one in _OPERANDS if (found := re.search(one, text))), None)
+    match = next((found for pattern in _OPERANDS if (found := re.search(pattern, text))), None)
     # Two objects of one type that are compared have a hint of their own, in the table.
     names = match.groups() if match else ()
     for name in names if len(set(names)) == len(names) else ():
@@ -879,7 +879,7 @@ def _imported_interfaces(error: ModuleNotFoundError) -> tuple[str, str] | None:
         # The source text is not always available, but the bytecode contains the imported name.
         code = dis.get_instructions(trace.tb_frame.f_code)
         names += [
-            str(one.argval) for one in code if (one.offset, one.opname) == (trace.tb_lasti, "IMPORT_NAME")
+            str(step.argval) for step in code if (step.offset, step.opname) == (trace.tb_lasti, "IMPORT_NAME")
         ]
         trace = trace.tb_next
     for name in names:
@@ -932,14 +932,14 @@ def _paths_to(name: str, attribute: str) -> list[str]:
     for _ in range(3):
         inside = [
             (f"{path}{field.name}{'' if field.container == 'scalar' else '[0]'}.", field)
-            for path, one in level
-            for field in definition(one).fields
+            for path, type_name in level
+            for field in definition(type_name).fields
             if field.is_message
         ]
         level = [(path, field.base) for path, field in inside]
         paths += [
             f"{path}{attribute}"
-            for path, one in level
-            if any(field.name == attribute for field in definition(one).fields)
+            for path, type_name in level
+            if any(field.name == attribute for field in definition(type_name).fields)
         ]
     return paths

@@ -661,6 +661,8 @@ def keyword_argument_hint(error: BaseException) -> str:
     if match is None or frame is None or not isinstance(error, TypeError):
         return ""
     function = _reachable_object(frame, match[1])
+    if match[1] == "LaunchDescription":
+        return "LaunchDescription takes one list: put all actions into it, LaunchDescription([…, …])."
     # The classes of rclpy have hints with examples.
     is_of_rclpy = str(getattr(function, "__module__", "")).startswith("rclpy")
     if is_of_rclpy or (

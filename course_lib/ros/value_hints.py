@@ -51,7 +51,7 @@ def value_hint(error: BaseException, text: str) -> str:
         shown = value.__name__.replace("_", ".")
         return f"this is the class {shown}: create an object, with `{shown}()`."
     if isinstance(value, bytes) and kind == "str":
-        return "these are bytes: `bytes(2).decode()` makes a string of them."
+        return "this is of type bytes, and the field takes a string: print it. Text in bytes has decode( )."
     if isinstance(value, list | tuple) and kind == "str":
         return f"this is a {name}, and the field takes one string: `', '.join(['a', 'b'])` joins strings."
     if isinstance(value, FunctionType | MethodType | BuiltinFunctionType):

@@ -29,6 +29,7 @@ MISTAKES = [
         "LaunchDescription(Node(**TALKER))",
         "LaunchDescription takes a list, as in LaunchDescription([Node(…)])",
     ),
+    ("LaunchDescription(Node(**TALKER), Node(**TALKER))", "takes one list: put all actions into it"),
     ("TimerAction(period=1.0, actions=Node(**TALKER))", "TimerAction takes a list"),
     ("Node(**TALKER, name=LaunchConfiguration('x') + '_node')", "hint: a substitution has no value while"),
     ("Node(**TALKER, name='robot_' + LaunchConfiguration('x'))", "hint: a substitution has no value while"),

@@ -355,7 +355,7 @@ MESSAGES = [
     (
         "String().data = b'text'",
         "AssertionError: The 'data' field must be of type 'str'",
-        "these are bytes: `bytes(2).decode()` makes a string of them.",
+        "this is of type bytes, and the field takes a string: print it. Text in bytes has decode( ).",
     ),
     (
         "String().data = ['a', 'b']",
