@@ -46,6 +46,8 @@ cube.color.b = cube.color.a = 1.0""",
     "joint_sliders(JointStatePublisher(load_robot('ur10').urdf))",
     "%rqt topic",
     "from ipywidgets import HTML, IntSlider, VBox\nVBox([HTML('<i>words of my own</i>'), IntSlider(7)])",
+    "second = Viewer()\nsecond",
+    "# again\nsecond",
     *["# JupyterLab draws no cell far out of sight." + "\n" * 30] * 70,
     "print('far below')\nquiz('week01_recall')\npredict('week01.ground')",
 )
@@ -134,6 +136,14 @@ def test_reopened_view_shows_its_last_image_and_a_continue_button(reopened: Note
     later = reopened.cell("color.g = 0.0, 1.0")
     saved(later)
     assert later.locator("img").evaluate(COLOR_PIXELS, GREEN) > ENOUGH
+
+
+def test_cells_run_without_a_pause_have_pictures_of_the_page(reopened: Notebook) -> None:
+    """The second cell starts before the page has drawn the view of the first one."""
+    for source in ("second = Viewer", "# again"):
+        image = reopened.cell(source).locator("img")
+        image.wait_for()
+        assert "Displays: Grid" in (image.get_attribute("alt") or "")
 
 
 def test_reopened_predictions_and_quizzes_show_the_student_answers(reopened: Notebook) -> None:

@@ -292,8 +292,10 @@
     for (const cell of cells) {
       const { outputs } = cell.model;
       for (let i = 0; i < outputs.length; i++) {
-        const { data } = outputs.get(i);
-        if (!data[WIDGET]?.model_id || newest.get(data[WIDGET].model_id) !== cell) continue;
+        const { data, metadata: before } = outputs.get(i);
+        const id = data[WIDGET]?.model_id;
+        // With Run All, the next cell may start before the page has shown this one. Any picture is better than none.
+        if (!id || (newest.get(id) !== cell && before["image/png"]?.fromPage)) continue;
         const node = cell.outputArea?.widgets[i]?.node;
         const panel = node?.querySelector(".course-html") ?? plainWidget(node, data);
         const source = node?.querySelector(".course-keeps");
@@ -302,7 +304,7 @@
         if (!isNew) continue;
         const output = outputs.get(i).toJSON();
         const text = kept["image/png"] && kept["text/plain"]; // nbconvert reads it in the metadata
-        const metadata = text ? { ...output.metadata, "image/png": { alt: text } } : output.metadata;
+        const metadata = text ? { ...output.metadata, "image/png": { alt: text, fromPage: true } } : output.metadata;
         outputs.set(i, { ...output, metadata, data: { ...data, ...kept } });
       }
     }
