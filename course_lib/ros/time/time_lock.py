@@ -143,11 +143,13 @@ class ProgramThread:
 
     def interrupt(self) -> None:
         """Interrupt as Ctrl+C does: call the program's handler or raise KeyboardInterrupt."""
-        handler = self.handlers.get(signal.SIGINT, signal.SIG_DFL)
+        handler = self.handlers.get(signal.SIGINT)
+        # rclpy's handler shuts down the contexts and then calls the program's one, if it can be called.
+        is_below_rclpy = real_getsignal(signal.SIGINT) is hidden_handlers.get(signal.SIGINT, (None,))[0]
         if callable(handler):
             self.report_interrupted_polling()
             handler(signal.SIGINT, sys._getframe(1))
-        elif handler is not signal.SIG_IGN:
+        elif handler is None or (handler is signal.SIG_DFL and not is_below_rclpy):
             raise KeyboardInterrupt
 
     def report_interrupted_polling(self) -> None:

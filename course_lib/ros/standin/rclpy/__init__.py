@@ -92,10 +92,10 @@ def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None 
     _uninstall(context, uninstall_handlers)
 
 
-def try_shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
+def try_shutdown(*, context: Context | None = None) -> None:
     """Shut a context down if it is valid."""
     (context or get_default_context(shutting_down=True)).try_shutdown()
-    _uninstall(context, uninstall_handlers)
+    _uninstall(context, None)
 
 
 def create_node(node_name: str, **options: Unpack[NodeOptions]) -> Node:

@@ -27,6 +27,7 @@ class Client(ServiceEnd):
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args, asks=True)
+        self.context: Context = self._course_node.context
         self._pending_requests: dict[int, Future[Any]] = {}
         self.__requests = 0
         # Called when a response arrives for which no request is pending.
@@ -72,11 +73,6 @@ class Client(ServiceEnd):
             if timeout_sec is None and not self.__is_spun():
                 raise DeadlockError(f"call() on {self._course_full_name} waited in vain for {_SPINNER}.")
         return future.result()
-
-    @property
-    def context(self) -> Context:
-        """The context of the client's node."""
-        return self._course_node.context
 
     def get_pending_request(self, sequence_number: int) -> Future[Any]:
         """Return the future of a pending request. Raise KeyError if the request is not pending."""

@@ -183,7 +183,7 @@ _WAKES = JumpThreshold(min_forward=Duration(nanoseconds=1), min_backward=None)
 class Clock:
     """A clock of one type. `Clock(clock_type=ClockType.ROS_TIME)` returns a ROSClock."""
 
-    clock_type: ClockType
+    _clock_type: ClockType
     handle: ClockHandle
 
     def __new__(cls, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> "Clock":
@@ -191,9 +191,14 @@ class Clock:
         if not isinstance(clock_type, ClockType):
             raise TypeError("Clock type must be a ClockType enum")
         clock = super().__new__(ROSClock if clock_type is ClockType.ROS_TIME else cls)
-        clock.clock_type = clock_type
+        clock._clock_type = clock_type
         clock.handle = ClockHandle()
         return clock
+
+    @property
+    def clock_type(self) -> ClockType:
+        """The type of the clock."""
+        return self._clock_type
 
     def __repr__(self) -> str:
         return f"Clock(clock_type={self.clock_type.name})"

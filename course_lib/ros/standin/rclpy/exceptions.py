@@ -82,75 +82,79 @@ class ROSInterruptException(ShutDown):
 class NameValidationException(Exception):
     """A name is invalid. The message points to the invalid character."""
 
-    _kind = "name"
-
-    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
+    def __init__(self, name_type: str, name: str, error_msg: str, invalid_index: int) -> None:
         self.name, self.error_msg, self.invalid_index = name, error_msg, invalid_index
-        super().__init__(f"Invalid {self._kind}: {error_msg}:\n  '{name}'\n   {' ' * invalid_index}^")
+        super().__init__(f"Invalid {name_type}: {error_msg}:\n  '{name}'\n   {' ' * invalid_index}^")
 
 
 class InvalidNamespaceException(NameValidationException):
     """A namespace is invalid."""
 
-    _kind = "namespace"
+    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
+        super().__init__("namespace", name, error_msg, invalid_index)
 
 
 class InvalidNodeNameException(NameValidationException):
     """A node name is invalid."""
 
-    _kind = "node name"
+    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
+        super().__init__("node name", name, error_msg, invalid_index)
 
 
 class InvalidTopicNameException(NameValidationException):
     """A topic name is invalid."""
 
-    _kind = "topic name"
+    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
+        super().__init__("topic name", name, error_msg, invalid_index)
 
 
 class InvalidServiceNameException(NameValidationException):
     """A service name is invalid."""
 
-    _kind = "service name"
+    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
+        super().__init__("service name", name, error_msg, invalid_index)
 
 
 class ParameterException(Exception):
     """Base class of parameter errors: a message and the names of the parameters."""
 
-    _text = ""
-
-    def __init__(self, parameters: str | list[str], text: str = "") -> None:
-        super().__init__(f"{text or self._text}: {parameters}")
+    def __init__(self, error_msg: str, parameters: str | list[str]) -> None:
+        super().__init__(f"{error_msg}: {parameters}")
 
 
 class ParameterNotDeclaredException(ParameterException):
     """An undeclared parameter was used."""
 
-    _text = "Invalid access to undeclared parameter(s)"
+    def __init__(self, parameters: str | list[str]) -> None:
+        super().__init__("Invalid access to undeclared parameter(s)", parameters)
 
 
 class ParameterAlreadyDeclaredException(ParameterException):
     """A parameter was declared twice."""
 
-    _text = "Parameter(s) already declared"
+    def __init__(self, parameters: str | list[str]) -> None:
+        super().__init__("Parameter(s) already declared", parameters)
 
 
 class InvalidParameterException(ParameterException):
     """A parameter name is empty."""
 
-    _text = "Invalid parameter name"
+    def __init__(self, parameter_name: str) -> None:
+        super().__init__("Invalid parameter name", parameter_name)
 
 
 class ParameterImmutableException(ParameterException):
     """A read-only parameter cannot be changed."""
 
-    _text = "Attempted to modify read-only parameter"
+    def __init__(self, parameter_name: str) -> None:
+        super().__init__("Attempted to modify read-only parameter", parameter_name)
 
 
 class ParameterUninitializedException(ParameterException):
     """A parameter was read that was declared with a type only and has no value yet."""
 
     def __init__(self, parameter_name: str) -> None:
-        super().__init__(parameter_name, f"The parameter '{parameter_name}' is not initialized")
+        super().__init__(f"The parameter '{parameter_name}' is not initialized", parameter_name)
 
 
 class InvalidParameterTypeException(ParameterException):
@@ -158,9 +162,9 @@ class InvalidParameterTypeException(ParameterException):
 
     def __init__(self, desired_parameter: "Parameter", expected_type: str) -> None:
         super().__init__(
-            desired_parameter.name,
             f"Trying to set parameter '{desired_parameter.name}' to '{desired_parameter.value}'"
             f" of type '{desired_parameter.type_.name}', expecting type '{expected_type}'",
+            desired_parameter.name,
         )
 
 
@@ -168,4 +172,4 @@ class InvalidParameterValueException(ParameterException):
     """A value was rejected by the parameter's range or by a callback."""
 
     def __init__(self, parameter: str, value: object, reason: str) -> None:
-        super().__init__(parameter, f"Invalid parameter value ({value}) for parameter. Reason: {reason}")
+        super().__init__(f"Invalid parameter value ({value}) for parameter. Reason: {reason}", parameter)

@@ -126,7 +126,7 @@ class Executor(AbstractContextManager["Executor"]):
 
     def __init__(self, *, context: Context | None = None) -> None:
         # The executor stops when this context is shut down.
-        self.context = get_default_context() if context is None else context
+        self._context = get_default_context() if context is None else context
         if not self.context.is_initialized:
             raise NotInitializedException("cannot create executor")
         if not self.context.is_valid:
@@ -154,6 +154,11 @@ class Executor(AbstractContextManager["Executor"]):
         """Report attributes of a student's class whose names are private in rclpy."""
         super().__init_subclass__(**kwargs)
         private_names.check_class("Executor", cls, private_names.OF_EXECUTORS)
+
+    @property
+    def context(self) -> Context:
+        """The context whose shutdown ends the executor."""
+        return self._context
 
     @property
     def __is_running(self) -> bool:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rcl_interfaces.msg import Parameter as ParameterMsg
 from rcl_interfaces.msg import ParameterEvent
@@ -11,7 +11,10 @@ from rclpy.impl import names
 from rclpy.qos import QoSProfile, qos_profile_parameter_events
 
 if TYPE_CHECKING:
+    from rclpy.callback_groups import CallbackGroup
+    from rclpy.event_handler import SubscriptionEventCallbacks
     from rclpy.node import Node
+    from rclpy.qos_overriding_options import QoSOverridingOptions
 
 
 @dataclass(eq=False)
@@ -34,13 +37,26 @@ class ParameterEventHandler:
     """Calls callbacks for /parameter_events while its node is spun, the newest callback first."""
 
     def __init__(
-        self, node: "Node", qos_profile: QoSProfile = qos_profile_parameter_events, **options: Any
+        self,
+        node: "Node",
+        qos_profile: QoSProfile = qos_profile_parameter_events,
+        callback_group: "CallbackGroup | None" = None,
+        event_callbacks: "SubscriptionEventCallbacks | None" = None,
+        qos_overriding_options: "QoSOverridingOptions | None" = None,
+        raw: bool = False,  # positional in rclpy
     ) -> None:
         self.node = node
         self.__handles: list[ParameterCallbackHandle] = []
         self.__event_handles: list[ParameterEventCallbackHandle] = []
         self.parameter_event_subscription = node.create_subscription(
-            ParameterEvent, "/parameter_events", self.__on_event, qos_profile, **options
+            ParameterEvent,
+            "/parameter_events",
+            self.__on_event,
+            qos_profile,
+            callback_group=callback_group,
+            event_callbacks=event_callbacks,
+            qos_overriding_options=qos_overriding_options,
+            raw=raw,
         )
 
     def destroy(self) -> None:

@@ -45,9 +45,22 @@ class QoSOverridingOptions:
         callback: QosCallbackType | None = None,
         entity_id: str | None = None,
     ) -> None:
-        self.policy_kinds = policy_kinds
-        self.callback = callback
-        self.entity_id = entity_id
+        self._policy_kinds, self._callback, self._entity_id = policy_kinds, callback, entity_id
+
+    @property
+    def policy_kinds(self) -> Iterable[QoSPolicyKind]:
+        """The policies that parameters can override."""
+        return self._policy_kinds
+
+    @property
+    def callback(self) -> QosCallbackType | None:
+        """The function that validates a profile."""
+        return self._callback
+
+    @property
+    def entity_id(self) -> str | None:
+        """The suffix of the parameters' names."""
+        return self._entity_id
 
     @classmethod
     def with_default_policies(

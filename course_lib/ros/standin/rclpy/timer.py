@@ -52,7 +52,7 @@ class Timer(Entity):
             raise RCLError(f"failed to create timer: {INVALID_CONTEXT}")
         super().__init__(node, callback_group)
         self.callback = callback
-        self.clock = clock
+        self._clock = clock
         self.__period_ns = timer_period_ns
         self.__graph = node.graph
         self.__last_ns = clock.handle.now_ns
@@ -75,6 +75,11 @@ class Timer(Entity):
         if autostart:
             self.__arm()
             self._course_node.note_work()
+
+    @property
+    def clock(self) -> Clock:
+        """The clock that the timer follows."""
+        return self._clock
 
     @property
     def timer_period_ns(self) -> int:

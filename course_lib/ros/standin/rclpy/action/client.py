@@ -110,7 +110,7 @@ class ActionClient:
         goal_service_qos_profile: QoSProfile = qos_profile_services_default,
         result_service_qos_profile: QoSProfile = qos_profile_services_default,
         cancel_service_qos_profile: QoSProfile = qos_profile_services_default,
-        feedback_sub_qos_profile: QoSProfile | int = 10,
+        feedback_sub_qos_profile: QoSProfile | int = QoSProfile(depth=10),  # noqa: B008  # as in rclpy
         status_sub_qos_profile: QoSProfile = qos_profile_action_status_default,
     ) -> None:
         group = callback_group or node.default_callback_group

@@ -158,7 +158,7 @@ def default_handle_accepted_callback(goal_handle: ServerGoalHandle) -> None:
     goal_handle.execute()
 
 
-def default_cancel_callback(goal_handle: ServerGoalHandle) -> CancelResponse:
+def default_cancel_callback(cancel_request: ServerGoalHandle) -> CancelResponse:
     """Reject the cancellation."""
     return CancelResponse.REJECT
 
@@ -197,7 +197,7 @@ class ActionServer:
         goal_service_qos_profile: QoSProfile = qos_profile_services_default,
         result_service_qos_profile: QoSProfile = qos_profile_services_default,
         cancel_service_qos_profile: QoSProfile = qos_profile_services_default,
-        feedback_pub_qos_profile: QoSProfile | int = 10,
+        feedback_pub_qos_profile: QoSProfile | int = QoSProfile(depth=10),  # noqa: B008  # as in rclpy
         status_pub_qos_profile: QoSProfile = qos_profile_action_status_default,
         result_timeout: float = 900,
     ) -> None:
@@ -214,7 +214,7 @@ class ActionServer:
         require_node(node.handle, "Failed to create action server")
         require_action_name(action_name, "server", node.handle.name, node.handle.namespace)
         self.__is_destroyed = False
-        self._node, self.action_type = node, action_type
+        self._node, self._action_type = node, action_type
         self._logger = node.get_logger().get_child("action_server")
         self.__timeout_ns = round(result_timeout * S_TO_NS)
         self._goal_handles: dict[bytes, ServerGoalHandle] = {}
@@ -279,6 +279,11 @@ class ActionServer:
         """Replace the callback that accepts or rejects cancellations. None rejects all."""
         self._cancel_callback = cancel_callback or default_cancel_callback
 
+    @property
+    def action_type(self) -> Any:
+        """The class of the action."""
+        return self._action_type
+
     def publish_feedback(self, goal: ServerGoalHandle, feedback: Any) -> None:
         """Publish feedback for a goal that has not been destroyed."""
         if not isinstance(feedback, self.action_type.Feedback):
@@ -301,12 +306,12 @@ class ActionServer:
         )
 
     def notify_execute(
-        self, goal: ServerGoalHandle, execute_callback: Callable[[ServerGoalHandle], Any] | None
+        self, goal_handle: ServerGoalHandle, execute_callback: Callable[[ServerGoalHandle], Any] | None
     ) -> None:
         """Schedule the execute callback of a goal in the node's executor."""
         executor = self._node.executor
         if executor is not None:
-            executor.create_task(self.__execute, execute_callback or self._execute_callback, goal)
+            executor.create_task(self.__execute, execute_callback or self._execute_callback, goal_handle)
 
     async def __take_goal(self, request: Any, respond: Respond) -> None:
         self.__forget_old_goals()

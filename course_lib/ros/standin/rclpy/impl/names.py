@@ -70,9 +70,9 @@ NAMESPACE = _absolute("namespace", ", unless only a '/'", "namespace", 245, "RMW
 FULL_TOPIC = _absolute("topic name", "", "topic length", 247, "255U - 8U")
 
 
-def validate_node_name(name: str) -> bool:
+def validate_node_name(node_name: str) -> bool:
     """Raise InvalidNodeNameException for an invalid node name; else return True, as in rclpy."""
-    _refuse(name, NODE_NAME, InvalidNodeNameException)
+    _refuse(node_name, NODE_NAME, InvalidNodeNameException)
     return True
 
 
