@@ -6,11 +6,13 @@ now differs from the kept files in `data/`, and `python -m tests.golden --write`
 
 import ast
 import hashlib
+import io
 import os
 import re
 import tempfile
 import tomllib
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import redirect_stderr
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -114,14 +116,15 @@ def ros2_lines() -> Iterator[str]:
 
 
 def ros2_output(graph: Graph, command: str) -> str:
-    """Return the output of a command, followed by its error."""
+    """Return what a command writes to stderr, then its output, followed by its error."""
     words, brace, rest = command.partition("{")
     written: list[str] = []
     try:
-        ros2([*words.split(), *([brace + rest] if brace else [])], GraphSource(graph), written.append)
+        with redirect_stderr(io.StringIO()) as stderr:
+            ros2([*words.split(), *([brace + rest] if brace else [])], GraphSource(graph), written.append)
     except (CourseError, SystemExit) as error:
         written.append(f"{type(error).__name__}: {error}")
-    return "".join(written).rstrip("\n")
+    return (stderr.getvalue() + "".join(written)).rstrip("\n")
 
 
 def status_lines() -> Iterator[str]:

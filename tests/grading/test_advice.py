@@ -86,7 +86,8 @@ def test_every_mistake_reported_by_a_check_has_a_hint() -> None:
     table, named = hints_by_mistake(), named_by_words()
     assert len(named) > 80
     with_value = {"a stamp is *", "a stamp is "}  # the table has both, in the past and in the future
-    missing = {m for m in named - with_value if not any(fnmatchcase(m, kind) for kind in table)}
+    with_part = {"*: the *", ": the "}  # another mistake, followed by the part that is wrong
+    missing = {m for m in named - with_value - with_part if not any(fnmatchcase(m, kind) for kind in table)}
     assert missing == set(), "grading/vocabulary/hints.toml has a hint for each kind of mistake"
 
 
