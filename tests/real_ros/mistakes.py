@@ -47,4 +47,5 @@ def _plain(text: str) -> str:
     text = re.sub(r" \((/[^)]*|unknown location)\)|, at [^ ,|'\"]*\.(c|h|cpp|hpp):\d+", "", text)
     text = re.sub(r"'/[^']*/program\.py'", "'program.py'", text)
     text = re.sub(r"/\S*/site-packages/", "", text)
+    text = re.sub(r"Goal ID: \[[\d\s]*\]", "Goal ID: []", text)
     return re.sub(r"0x[0-9a-f]+", "0x", text)

@@ -239,7 +239,7 @@ class Talker(rclpy.node.Node):
         self.create_timer(0.1, lambda: None)
 
 rclpy.init()
-Talker()
+rclpy.spin_once(Talker(), timeout_sec=0.0)
 print("made", hasattr(Talker, "_parameter_service"), Talker._clock is not None)
 """
 
