@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from course_lib.arrays import Floats, Matrix
+from course_lib.arrays import Floats, Matrix, Pixels
 from course_lib.displays.display import (
     FILTER_PROPERTIES,
     QUEUE_LABEL,
@@ -266,11 +266,8 @@ def _textured_triangles(marker: Any, scale: Floats) -> Mesh | None:
     The texture is repeated beyond 0 and 1, and v is 0 at the top of the image. A single color of
     the marker multiplies it; the colors of points have no effect.
     """
-    if not marker.texture_resource.startswith(_EMBEDDED) or not _uv_fits(marker):
-        return None
-    try:
-        pixels = decode_compressed(marker.texture, lambda values: (0.0, 65535.0), "RGBA")
-    except ValueError:
+    pixels = _texture_of(marker) if _uses_texture(marker) else None
+    if pixels is None:
         return None
     uv = np.nan_to_num(fields_of(marker.uv_coordinates, "u", "v")).reshape(-1, 3, 2)
     # Moved inwards a little, so that a corner at 1 has the color of the last column, not the first.
@@ -291,15 +288,17 @@ def _uv_fits(marker: Any) -> bool:
     return len(marker.uv_coordinates) == len(marker.points)
 
 
-def _is_broken_texture(marker: Any) -> bool:
-    """Return whether RViz looks for an embedded texture that is not an image."""
-    if not marker.texture_resource.startswith(_EMBEDDED) or not _uv_fits(marker):
-        return False
+def _uses_texture(marker: Any) -> bool:
+    """Return whether RViz looks for an embedded texture."""
+    return bool(marker.texture_resource.startswith(_EMBEDDED)) and _uv_fits(marker)
+
+
+def _texture_of(marker: Any) -> Pixels | None:
+    """Return the pixels of the embedded texture, or None if it is not an image."""
     try:
-        decode_compressed(marker.texture, lambda values: (0.0, 65535.0))
+        return decode_compressed(marker.texture, lambda values: (0.0, 65535.0), "RGBA")
     except ValueError:
-        return True
-    return False
+        return None
 
 
 def has_face_colors(marker: Any) -> bool:
@@ -432,7 +431,7 @@ _RULES = (
         "uv_coordinates does not have one entry for each point, so RViz2 ignores the texture.",
     ),
     Rule(
-        lambda m: m.type == _TRIANGLES and _is_broken_texture(m),
+        lambda m: m.type == _TRIANGLES and _uses_texture(m) and _texture_of(m) is None,
         "texture.data is not a PNG or JPEG file, so the texture is not drawn.",
     ),
     Rule(

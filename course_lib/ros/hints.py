@@ -11,7 +11,7 @@ import re
 import sys
 import tomllib
 from collections import Counter
-from collections.abc import Awaitable, Mapping, Sequence
+from collections.abc import Awaitable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from traceback import walk_tb
@@ -130,8 +130,8 @@ def _find_hint(error: BaseException) -> str:
         or _program_arguments_hint(error)
         or value_hints.index_hint(error)
         or value_hints.none_hint(error, text)
-        or _number_loop_hint(error)
-        or _pair_hint(error, text)
+        or value_hints.number_loop_hint(error)
+        or value_hints.pair_hint(error, text)
         or value_hints.value_hint(error, text)
         or _skipped_interfaces_hint(error)
         or _table_hint(error, text)
@@ -768,62 +768,6 @@ def _request_hint(error: BaseException) -> str:
     ]
     arguments = ", ".join(simple) if len(simple) == len(fields) else ""
     return f"pass a request, with (): `{service.__name__}.Request({arguments})`."
-
-
-def _number_loop_hint(error: BaseException) -> str:
-    """Return the hint for a loop over a range whose numbers are taken for the items, or ""."""
-    if not isinstance(error, AttributeError) or not isinstance(error.obj, int):
-        return ""
-    for frame, _ in walk_tb(error.__traceback__):
-        lines = "".join(linecache.getlines(frame.f_code.co_filename))
-        for name, value in frame.f_locals.items():
-            loop = re.search(rf"\bfor {name} in range\(len\(([\w.]+)\)\)", lines)
-            if loop and value is error.obj:
-                items = loop[1]
-                return (
-                    f"{name} is a number here: the item is {items}[{name}]. Or loop over the items "
-                    f"themselves: for {name} in {items}."
-                )
-    return ""
-
-
-def _pair_hint(error: BaseException, text: str) -> str:
-    """Return the hint for a loop whose items are pairs, or the keys of a dictionary, or ""."""
-    frames = [frame for frame, _ in walk_tb(error.__traceback__)]
-    if isinstance(error, AttributeError) and isinstance(error.obj, tuple):
-        for frame in frames:
-            lines = "".join(linecache.getlines(frame.f_code.co_filename))
-            names = [name for name, value in frame.f_locals.items() if value is error.obj]
-            if any(re.search(rf"\bfor {name} in enumerate\(", lines) for name in names):
-                return "enumerate gives pairs: `for index, item in enumerate(items)`."
-            if any(re.search(rf"\bfor {name} in [\w.]+\.items\(", lines) for name in names):
-                return "items() gives pairs, a key and a value: write two names between for and in."
-    line = near_names.line_of_student(error)
-    if text.startswith("cannot unpack non-iterable int") and " in enumerate(" in line:
-        return "enumerate gives pairs, an index and then an item: `for index, item in enumerate(items)`."
-    if not isinstance(error, ValueError) or "values to unpack" not in text:
-        return ""
-    if keys := re.search(r"\bin ([\w.]+)\.keys\(\)", line):
-        return f"keys() gives only the keys: write {keys[1]}.items()."
-    if loop := re.match(r"\s*for\s+(.+,.+)\s+in\s+([\w.]+\s*,\s*[\w.]+)\s*:", line):
-        return f"zip pairs the items of two lists: write for {loop[1]} in zip({loop[2]})."
-    if re.search(r"\bfor \w+(, \w+)+ in enumerate\(", line):
-        return (
-            "enumerate gives pairs, an index and an item. The names for the item's parts are in "
-            "( ): `for index, (x, y) in enumerate([(1.0, 2.0)])`."
-        )
-    loop = re.search(r"\bfor [\w, ()]+ in (\w+(?:\.\w+)*)\s*(?:$|[:\])}]| if )", line)
-    if loop is None:
-        return ""
-    first, *attributes = loop[1].split(".")
-    for frame in reversed(frames):
-        value = {**frame.f_globals, **frame.f_locals}.get(first)
-        for attribute in attributes:
-            value = getattr(value, "__dict__", {}).get(attribute)
-        if isinstance(value, Mapping):
-            items = loop[1]
-            return f"{items} is a dictionary, whose loop gives only its keys: write {items}.items()."
-    return ""
 
 
 def _program_arguments_hint(error: BaseException) -> str:

@@ -1,7 +1,7 @@
-"""Hints for values that a field of a message does not accept.
+"""Hints for values of the wrong type: those of a field, and the items of lists, pairs and loops.
 
-ROS's errors state the type that the field needs, but not the value that was passed. The value is in
-the frame that raised the error.
+The errors of ROS and Python state the type that is needed, but not the value. The value is in the
+frame that raised the error.
 """
 
 import linecache
@@ -327,6 +327,62 @@ def unpacked_string_hint(error: BaseException, text: str) -> str:
     if not value:
         return ""
     return f"the right side is the string {value!r:.40}, of which each letter is a value: write numbers."
+
+
+def number_loop_hint(error: BaseException) -> str:
+    """Return the hint for a loop over a range whose numbers are taken for the items, or ""."""
+    if not isinstance(error, AttributeError) or not isinstance(error.obj, int):
+        return ""
+    for frame, _ in walk_tb(error.__traceback__):
+        lines = "".join(linecache.getlines(frame.f_code.co_filename))
+        for name, value in frame.f_locals.items():
+            loop = re.search(rf"\bfor {name} in range\(len\(([\w.]+)\)\)", lines)
+            if loop and value is error.obj:
+                items = loop[1]
+                return (
+                    f"{name} is a number here: the item is {items}[{name}]. Or loop over the items "
+                    f"themselves: for {name} in {items}."
+                )
+    return ""
+
+
+def pair_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a loop whose items are pairs, or the keys of a dictionary, or ""."""
+    frames = [frame for frame, _ in walk_tb(error.__traceback__)]
+    if isinstance(error, AttributeError) and isinstance(error.obj, tuple):
+        for frame in frames:
+            lines = "".join(linecache.getlines(frame.f_code.co_filename))
+            names = [name for name, value in frame.f_locals.items() if value is error.obj]
+            if any(re.search(rf"\bfor {name} in enumerate\(", lines) for name in names):
+                return "enumerate gives pairs: `for index, item in enumerate(items)`."
+            if any(re.search(rf"\bfor {name} in [\w.]+\.items\(", lines) for name in names):
+                return "items() gives pairs, a key and a value: write two names between for and in."
+    line = near_names.line_of_student(error)
+    if text.startswith("cannot unpack non-iterable int") and " in enumerate(" in line:
+        return "enumerate gives pairs, an index and then an item: `for index, item in enumerate(items)`."
+    if not isinstance(error, ValueError) or "values to unpack" not in text:
+        return ""
+    if keys := re.search(r"\bin ([\w.]+)\.keys\(\)", line):
+        return f"keys() gives only the keys: write {keys[1]}.items()."
+    if loop := re.match(r"\s*for\s+(.+,.+)\s+in\s+([\w.]+\s*,\s*[\w.]+)\s*:", line):
+        return f"zip pairs the items of two lists: write for {loop[1]} in zip({loop[2]})."
+    if re.search(r"\bfor \w+(, \w+)+ in enumerate\(", line):
+        return (
+            "enumerate gives pairs, an index and an item. The names for the item's parts are in "
+            "( ): `for index, (x, y) in enumerate([(1.0, 2.0)])`."
+        )
+    loop = re.search(r"\bfor [\w, ()]+ in (\w+(?:\.\w+)*)\s*(?:$|[:\])}]| if )", line)
+    if loop is None:
+        return ""
+    first, *attributes = loop[1].split(".")
+    for frame in reversed(frames):
+        value = {**frame.f_globals, **frame.f_locals}.get(first)
+        for attribute in attributes:
+            value = getattr(value, "__dict__", {}).get(attribute)
+        if isinstance(value, Mapping):
+            items = loop[1]
+            return f"{items} is a dictionary, whose loop gives only its keys: write {items}.items()."
+    return ""
 
 
 def none_hint(error: BaseException, text: str) -> str:
