@@ -92,21 +92,6 @@ class Change(NamedTuple):
         return (wire.timestamp(self.at_ns), *wire.submessage(kind, flags, *body))
 
 
-class Fragments(NamedTuple):
-    """Consecutive fragments of a received message, as their submessage describes them.
-
-    Args:
-        first: Number of the first one, counted from 1.
-        fragment_size: Size of each fragment of the message except the last, [bytes].
-        message_size: Size of the message, [bytes].
-    """
-
-    first: int
-    fragment_count: int
-    fragment_size: int
-    message_size: int
-
-
 @dataclass
 class MatchedReader:
     """A remote reader of a writer.
@@ -163,7 +148,6 @@ class Writer(OwnEndpoint[MatchedReader]):
         # Sequence number of the last message.
         self.last = 0
         self._history: dict[int, Change] = {}
-        self._limit = endpoint.qos.limit or KEEP_ALL_LIMIT
 
     @property
     def first(self) -> int:
@@ -176,7 +160,7 @@ class Writer(OwnEndpoint[MatchedReader]):
         change, qos = Change(self.last, data, inline_qos, wall.time_ns()), self.endpoint.qos
         if qos.is_reliable or qos.is_latched:
             self._history[self.last] = change
-            if len(self._history) > self._limit:
+            if len(self._history) > (qos.limit or KEEP_ALL_LIMIT):
                 del self._history[self.first]
         # Readers at one address, of which a participant has only one, share a datagram.
         addresses = {address for reader in self.matched.values() for address in reader.endpoint.locators}
@@ -192,8 +176,6 @@ class Writer(OwnEndpoint[MatchedReader]):
 
     def match(self, endpoint: Endpoint) -> None:
         """Add a remote reader."""
-        if endpoint.guid in self.matched:
-            return
         gets_history = self.endpoint.qos.is_latched and endpoint.qos.is_latched
         first = self.first if gets_history else self.last + 1
         reader = self.matched[endpoint.guid] = MatchedReader(endpoint, first, first - 1)
@@ -354,8 +336,6 @@ class Reader(OwnEndpoint[MatchedWriter]):
 
     def match(self, endpoint: Endpoint) -> None:
         """Add a remote writer. `on_matched` is called when it has answered."""
-        if endpoint.guid in self.matched:
-            return
         qos = self.endpoint.qos
         writer = self.matched[endpoint.guid] = MatchedWriter(endpoint)
         if self._is_reliable(writer):
@@ -367,7 +347,7 @@ class Reader(OwnEndpoint[MatchedWriter]):
         """Send acknowledgements, and request the first heartbeats that have not arrived yet."""
         for writer in self.matched.values():
             if writer.is_ack_due:
-                self._send_acknack(writer, writer.due, [])
+                self._send_acknack(writer, [])
             if writer.requests and self._is_reliable(writer):
                 writer.requests -= 1
                 self._request_heartbeat(writer, writer.due or 1)
@@ -387,18 +367,29 @@ class Reader(OwnEndpoint[MatchedWriter]):
             writer.pending[sample.sequence] = sample
             self._deliver(writer)
 
-    def on_fragments(self, sample: ReceivedSample, parts: Fragments, payload: memoryview) -> None:
-        """Collect fragments of a message; `sample` describes it without its data."""
+    def on_fragments(
+        self, sample: ReceivedSample, payload: memoryview, first: int, count: int, part_size: int, size: int
+    ) -> None:
+        """Collect consecutive fragments of a message.
+
+        Args:
+            sample: The message without its data.
+            payload: The bytes of the fragments.
+            first: Number of the first fragment, counted from 1.
+            count: Number of fragments in the payload.
+            part_size: Size of each fragment of the message except the last [B].
+            size: Size of the message [B].
+        """
         writer, number = self._writer_of_new(sample), sample.sequence
         if writer is None:
             return
         partial = writer.partial.get(number)
         if partial is None:
-            partial = PartialMessage(parts.message_size, parts.fragment_size)
-            self.incomplete_size = parts.message_size
+            partial = PartialMessage(size, part_size)
+            self.incomplete_size = size
             self._free_memory(writer, partial.memory)
             writer.partial[number] = partial
-        partial.add(parts.first, parts.fragment_count, payload)
+        partial.add(first, count, payload)
         if not partial.missing:
             del writer.partial[number]
             self.on_data(sample._replace(data=partial.data.getvalue()))
@@ -454,7 +445,7 @@ class Reader(OwnEndpoint[MatchedWriter]):
         writer.is_ack_due = not is_final
         if missing:
             whole = [number for number in missing if number not in writer.partial]
-            self._send_acknack(writer, writer.due, whole)
+            self._send_acknack(writer, whole)
         if was_open:
             self.on_matched()
 
@@ -487,7 +478,8 @@ class Reader(OwnEndpoint[MatchedWriter]):
         base 0.
         """
         is_fast_dds = writer.endpoint.guid[:2] == wire.FAST_DDS
-        self._send_acknack(writer, 0 if is_fast_dds else base, [], flags=0)
+        numbers = wire.number_set(0 if is_fast_dds else base, [])
+        self._send_to(writer.endpoint, wire.ACKNACK, numbers, self._count())
 
     def _request_fragments(self, writer: MatchedWriter, number: int) -> None:
         missing = writer.partial[number].missing
@@ -497,9 +489,8 @@ class Reader(OwnEndpoint[MatchedWriter]):
         body = (sequence_number(number), struct.pack("<I", first), bitmap, self._count())
         self._send_to(writer.endpoint, wire.NACK_FRAG, *body)
 
-    def _send_acknack(
-        self, writer: MatchedWriter, base: int, missing: list[int], flags: int = wire.FINAL
-    ) -> None:
+    def _send_acknack(self, writer: MatchedWriter, missing: list[int]) -> None:
+        """Acknowledge all messages before the one that is due, and request the missing ones."""
         writer.is_ack_due = False
-        numbers = wire.number_set(base, missing)
-        self._send_to(writer.endpoint, wire.ACKNACK, numbers, self._count(), flags=flags)
+        numbers = wire.number_set(writer.due, missing)
+        self._send_to(writer.endpoint, wire.ACKNACK, numbers, self._count(), flags=wire.FINAL)

@@ -27,7 +27,7 @@ from typing import TypeVar
 
 from course_lib.errors import CourseError
 from course_lib.ros.dds import wire
-from course_lib.ros.dds.endpoints import Change, Fragments, OnSample, Reader, ReceivedSample, Writer
+from course_lib.ros.dds.endpoints import Change, OnSample, Reader, ReceivedSample, Writer
 from course_lib.ros.dds.wire import PREFIX_SIZE, Buffer, Endpoint, Kind, Locator, ParameterList, Pid
 from course_lib.ros.graph.topics import Qos, find_incompatible_policy
 from course_lib.ros.robot.addresses import bind_udp, common_bits, resolve, socket_towards
@@ -480,7 +480,7 @@ class Participant:
             if received.kind == wire.DATA:
                 reader.on_data(sample)
             else:
-                reader.on_fragments(sample, Fragments(*received.unpack("IHHI", 20)), body[begin:])
+                reader.on_fragments(sample, body[begin:], *received.unpack("IHHI", 20))
 
     def _on_state(self, received: wire.Submessage) -> None:
         """Process what a remote reader has received, or what a remote writer can send."""
@@ -520,15 +520,14 @@ def _locators_at(host: str, locators: tuple[Locator, ...]) -> tuple[Locator, ...
 
     If none is announced there, the first one's port at that host.
     """
-    if not locators:
-        return ()
-    return (next((locator for locator in locators if locator[0] == host), (host, locators[0][1])),)
+    there = tuple(locator for locator in locators if locator[0] == host)
+    return (there or tuple((host, port) for _, port in locators))[:1]
 
 
 def _match(own: Writer | Reader, remote: Endpoint) -> None:
-    """Match two endpoints if DDS connects them."""
+    """Match two endpoints if DDS connects them and they have not been matched yet."""
     topic, ends = own.endpoint.topic, {own.endpoint.kind: own.endpoint, remote.kind: remote}
-    if len(ends) < 2 or not topic or remote.has_partition:
+    if len(ends) < 2 or not topic or remote.has_partition or remote.guid in own.matched:
         return
     if (topic, own.endpoint.type_name) != (remote.topic, remote.type_name):
         return

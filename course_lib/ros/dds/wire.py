@@ -327,7 +327,6 @@ def describe(endpoint: Endpoint, participant: bytes, here: Locator) -> bytes:
     """Encode an endpoint of this participant for discovery."""
     qos = endpoint.qos
     liveliness = 2 if qos.liveliness == "manual_by_topic" else 0
-    own_data = [(Pid.USER_DATA, octets(endpoint.user_data))] if endpoint.user_data else []
     return PL_CDR_LE + parameter_list(
         (Pid.ENDPOINT, endpoint.guid),
         (Pid.KEY_HASH, endpoint.guid),
@@ -341,7 +340,7 @@ def describe(endpoint: Endpoint, participant: bytes, here: Locator) -> bytes:
         (Pid.LIFESPAN, duration(qos.lifespan_ns)),
         (Pid.LIVELINESS, struct.pack("<I", liveliness) + duration(qos.lease_ns)),
         (Pid.REPRESENTATION, struct.pack("<Ihh", 1, 0, 0)),
-        *own_data,
+        (Pid.USER_DATA, octets(endpoint.user_data)),
     )
 
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from course_lib.errors import CourseError
 from course_lib.ros.dds import link, wire
-from course_lib.ros.dds.endpoints import Change, Fragments, Reader, ReceivedSample, Writer
+from course_lib.ros.dds.endpoints import Change, Reader, ReceivedSample, Writer
 from course_lib.ros.dds.link import NodeEndpoints
 from course_lib.ros.dds.participant import Participant
 from course_lib.ros.dds.wire import Endpoint, Locator, ParameterList, Pid, RequestId
@@ -295,7 +295,7 @@ def test_arbitrary_discovery_message_raises_only_course_errors(cdr: bytes) -> No
 def fragment(reader: Reader, size: int, fragment_size: int, first: int = 1, number: int = 1) -> None:
     sample = ReceivedSample(b"", GUID, number, 0)
     payload = memoryview(bytes(min(size, fragment_size)))
-    reader.on_fragments(sample, Fragments(first, 1, fragment_size, size), payload)
+    reader.on_fragments(sample, payload, first, 1, fragment_size, size)
 
 
 @pytest.fixture
@@ -337,14 +337,13 @@ def test_message_is_assembled_from_fragments_in_any_order_and_grouping() -> None
         begin = 10 * (first - 1)
         payload = message[begin : begin + 10 * count]
         padded = memoryview(payload + bytes(-len(payload) % 4))
-        reader.on_fragments(sample, Fragments(first, count, 10, 64), padded)
+        reader.on_fragments(sample, padded, first, count, 10, 64)
     assert received == [message]
 
 
 def test_small_fragment_does_not_keep_its_datagram_in_memory(reader: Reader) -> None:
     datagram = bytes(60_000)
-    fragments = Fragments(1, 1, 100, 1000)
-    reader.on_fragments(ReceivedSample(b"", GUID, 1, 0), fragments, memoryview(datagram)[:100])
+    reader.on_fragments(ReceivedSample(b"", GUID, 1, 0), memoryview(datagram)[:100], 1, 1, 100, 1000)
     before = sys.getrefcount(datagram)
     del reader.matched[GUID].partial[1]
     assert sys.getrefcount(datagram) == before
@@ -352,9 +351,7 @@ def test_small_fragment_does_not_keep_its_datagram_in_memory(reader: Reader) -> 
 
 def test_truncated_fragment_is_rejected(reader: Reader) -> None:
     with pytest.raises(ValueError, match="fragment"):
-        reader.on_fragments(
-            ReceivedSample(b"", GUID, 1, 0), Fragments(1, 1, 100, 1000), memoryview(bytes(99))
-        )
+        reader.on_fragments(ReceivedSample(b"", GUID, 1, 0), memoryview(bytes(99)), 1, 1, 100, 1000)
 
 
 @pytest.mark.parametrize("reliability", ["reliable", "best_effort"])
