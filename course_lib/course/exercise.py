@@ -17,7 +17,7 @@ from typing import Any
 
 from course_lib.course.material import exercises_dir, solutions_dir
 from course_lib.course.questions import show
-from course_lib.course.state import student_state
+from course_lib.course.state import memory_span, student_state
 from course_lib.errors import CourseError, did_you_mean, format_count
 from course_lib.files import write_atomically
 from course_lib.host import in_notebook
@@ -240,7 +240,7 @@ def set_identity(text: str) -> str:
     """
     student, state = normalise(text), student_state()
     state.put("identity", "student", student)
-    where, then = "while this kernel lives", ""
+    where, then = memory_span(), ""
     if state.folder and state.is_saved("identity"):
         where = f"in {state.folder}"
         try:

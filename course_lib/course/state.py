@@ -18,6 +18,7 @@ from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.files import write_atomically
+from course_lib.host import in_notebook
 from course_lib.third_party import read_json, read_text
 
 STATE_FOLDER = ".course"
@@ -79,7 +80,8 @@ class State:
         except OSError as error:
             _unsaved.setdefault(path, {})[key] = value
             advice = _FREE_SPACE if error.errno in (errno.ENOSPC, errno.EDQUOT) else _OTHER_FOLDER
-            _print_once(f"{path.parent} cannot be written: {error.strerror}. {_IN_MEMORY} {advice}")
+            reason = f"{path.parent} cannot be written: {error.strerror}"
+            _print_once(f"{reason}. What you enter here is kept only {memory_span()}. {advice}")
         else:
             _unsaved.pop(path, None)
 
@@ -95,10 +97,12 @@ class State:
 _of_this_process = State(None)
 _OTHER_FOLDER = "For a folder of your own, type in a terminal: course lab ~/my_course"
 _FREE_SPACE = "Delete files that you do not need, and run this cell again."
-_IN_MEMORY = "What you enter here is kept only while this kernel lives."
-_READ_ONLY = (
-    f"{{}} cannot be written, so what you enter here is kept only while this kernel lives. {_OTHER_FOLDER}"
-)
+_READ_ONLY = f"{{}} cannot be written, so what you enter here is kept only {{}}. {_OTHER_FOLDER}"
+
+
+def memory_span() -> str:
+    """Return until when a value that cannot be written is kept, for a sentence."""
+    return "while this kernel lives" if in_notebook() else "until this command ends"
 
 
 def student_state() -> State:
@@ -112,7 +116,7 @@ def state_of(folder: Path | None) -> State:
         return _of_this_process
     if os.access(folder / STATE_FOLDER, os.W_OK):
         return State(folder)
-    _print_once(_READ_ONLY.format(folder))
+    _print_once(_READ_ONLY.format(folder, memory_span()))
     return _of_this_process
 
 

@@ -230,4 +230,5 @@ def describe_interruption(reason: str, line: str = "") -> None:
     explained = graph.state(_ExplainedThreads).idents
     if reason and not graph.notebook and ident not in explained:
         explained.add(ident)
-        say(f"hint: interrupted in {line or line_of_thread(ident) or 'a wait'}: {reason}")
+        place = line or line_of_thread(ident) or "a wait"
+        say(f"hint: interrupted in {place.rstrip(':')}: {reason}")

@@ -88,6 +88,24 @@ def test_state_of_a_read_only_folder_is_kept_in_memory_with_one_notice(
 
 
 @pytest.mark.parametrize(
+    ("is_notebook", "span"), [(True, "while this kernel lives"), (False, "until this command ends")]
+)
+def test_notice_about_a_read_only_folder_mentions_a_kernel_only_in_a_notebook(
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    is_notebook: bool,
+    span: str,
+) -> None:
+    State(folder)
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    monkeypatch.setattr(state_module, "in_notebook", lambda: is_notebook)
+    monkeypatch.chdir(folder)
+    student_state()
+    assert f"what you enter here is kept only {span}." in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
     ("code", "advice"), [(errno.ENOSPC, "Delete files"), (errno.EACCES, "course lab ~/my_course")]
 )
 def test_unwritable_values_are_kept_and_written_when_it_is_possible_again(

@@ -290,12 +290,20 @@ while rclpy.ok():
             "rate.sleep(): the tick does not come, as no thread spins /n.",
         ),
         (
+            "rate = node.create_rate(10)\nwhile rate.sleep():\n    pass",
+            "while rate.sleep(): the tick does not come, as no thread",
+        ),
+        (
             "node.create_service(Trigger, 's', print)\nclient.call(Trigger.Request())",
             "client.call(Trigger.Request()): it waited in vain for another thread that spins",
         ),
         (
             "client.wait_for_service()",
             "client.wait_for_service(): it waited for the service /s, which is not",
+        ),
+        (
+            "while not client.wait_for_service():\n    pass",
+            "while not client.wait_for_service(): it waited for the service /s, which is not",
         ),
         (
             "import time\nfuture = client.call_async(Trigger.Request())\n"

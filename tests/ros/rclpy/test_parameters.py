@@ -219,6 +219,18 @@ def test_on_set_callback_can_reject_the_change_atomically(node: Node) -> None:
     assert [p.value for p in node.get_parameters(["a", "b"])] == [1, 1]
 
 
+def test_warning_about_the_result_of_a_callback_names_the_line_of_the_callback(node: Node) -> None:
+    def forgets_to_return(parameters: list[Parameter]) -> None:
+        pass
+
+    node.declare_parameter("a", 1)
+    node.add_on_set_parameters_callback(forgets_to_return)  # type: ignore[arg-type]
+    with pytest.warns(UserWarning, match="Callback returned an invalid type") as caught:
+        node.set_parameters([Parameter("a", value=2)])
+    assert caught[0].filename == __file__
+    assert caught[0].lineno == forgets_to_return.__code__.co_firstlineno
+
+
 def test_parameter_changes_are_published_on_parameter_events(node: Node) -> None:
     events: list[ParameterEvent] = []
     watcher = Node("watcher")

@@ -147,7 +147,10 @@ class ParameterStore:
         for allows in self.on_set_callbacks:
             result = allows(parameters)
             if not isinstance(result, SetParametersResult):
-                warnings.warn(_NO_RESULT, stacklevel=2)
+                # rclpy's warning names a line of rclpy, which does not help to find the callback.
+                code = getattr(allows, "__code__", self.change.__code__)
+                place = code.co_filename, code.co_firstlineno
+                warnings.warn_explicit(_NO_RESULT, UserWarning, *place)
                 result = SetParametersResult(successful=False, reason="Callback returned an invalid type")
             if not result.successful:
                 return result
