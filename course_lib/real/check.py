@@ -29,7 +29,7 @@ from course_lib.real.environment import RealEnvironment, find_environment
 from course_lib.real.process import NOT_ROS_OWN, RealProcesses, linked_graph, temporary_folder
 from course_lib.ros.graph.graph import START_NS, Sample, use_graph
 from course_lib.ros.graph.topics import OWN_TOPICS, SERVICE_HEADER, Qos, service_topics
-from course_lib.ros.messages import message_class, serialize, to_plain
+from course_lib.ros.messages import deserialize, message_class, serialize, to_plain
 from course_lib.ros.programs import import_path
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.time import wall
@@ -94,12 +94,12 @@ def move_stamps(message: Any, by_ns: int, near_ns: int) -> Any:
     return message
 
 
-def _without_stamps(sample: Sample) -> Any:
-    """Return the message of a sample with all stamps set to 0."""
+def _bytes_without_stamps(sample: Sample) -> bytes:
+    """Return the CDR bytes of a sample's message with all stamps set to 0."""
     message = sample.message()
     for stamp in _stamps(message):
         stamp.sec = stamp.nanosec = 0
-    return message
+    return serialize(message)
 
 
 def compare(in_kit: Sequence[Sample], in_ros: Sequence[Sample]) -> list[TopicComparison]:
@@ -121,7 +121,9 @@ def _compare_topic(
     in_kit: Sequence[Sample],
     in_ros: Sequence[Sample],
 ) -> TopicComparison:
-    kit_messages, ros_messages = ([serialize(_without_stamps(s)) for s in side] for side in (in_kit, in_ros))
+    kit_messages, ros_messages = (
+        [_bytes_without_stamps(sample) for sample in side] for side in (in_kit, in_ros)
+    )
     best: list[tuple[bytes, bytes]] = []
     different: list[tuple[bytes, bytes]] = []
     # The numbers of samples in the first MAX_OFFSET_NS of both recordings.
@@ -137,23 +139,24 @@ def _compare_topic(
         # Compare the fraction of unequal pairs, because later offsets have fewer pairs.
         if pairs and is_long and (not best or len(unequal) * len(best) < len(different) * len(pairs)):
             best, different = pairs, unequal
-    field = _different_field(*different[0], in_kit[0].type_name) if different else ""
+    different_field = ""
+    if different:
+        kind = message_class(in_kit[0].type_name)
+        kit, ros = (dict(_flatten(to_plain(deserialize(cdr, kind)))) for cdr in different[0])
+        names = (name for name in {**kit, **ros} if kit.get(name) != ros.get(name))
+        different_field = next(names, "")
     return TopicComparison(
-        topic, len(kit_messages), len(ros_messages), len(best), len(best) - len(different), field
+        topic,
+        in_kit=len(kit_messages),
+        in_ros=len(ros_messages),
+        pairs=len(best),
+        equal=len(best) - len(different),
+        different_field=different_field,
     )
-
-
-def _different_field(kit_cdr: bytes, ros_cdr: bytes, type_name: str) -> str:
-    from course_lib.ros.messages import deserialize
-
-    kit, ros = (
-        dict(_flatten(to_plain(deserialize(cdr, message_class(type_name))))) for cdr in (kit_cdr, ros_cdr)
-    )
-    names = [name for name in {**kit, **ros} if kit.get(name) != ros.get(name)]
-    return names[0] if names else ""
 
 
 def _flatten(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the path and the value of each field of a message, like `ranges[3]`, and lengths."""
     if isinstance(value, dict):
         for name, item in value.items():
             yield from _flatten(item, f"{path}.{name}" if path else str(name))
@@ -264,10 +267,10 @@ def results_on_ros(path: Path, environment: RealEnvironment) -> Iterator[RealRes
     result = run_scenarios(Job(notebook.cells, student, steps, catalog.course.limits))
     for task in tasks:
         in_kit = [run.evidence for run in result.runs if run.evidence.task == task.id]
-        yield _check(task, code, in_kit, catalog, environment, student)
+        yield _check_task(task, code, in_kit, catalog, environment, student)
 
 
-def _check(
+def _check_task(
     task: Task,
     code: Sequence[Statement],
     in_kit: Sequence[Evidence],

@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
@@ -23,6 +23,7 @@ from course_lib.real.types import missing_packages
 from course_lib.ros.dds.link import DdsLink
 from course_lib.ros.graph.graph import Sample, use_graph
 from course_lib.ros.graph.topics import OWN_TOPICS
+from course_lib.ros.messages.definitions import type_hash
 from course_lib.ros.notices import print_to_stderr
 from course_lib.ros.programs import import_path
 from course_lib.ros.robot.robot_graph import RobotGraph
@@ -193,9 +194,8 @@ def linked_graph(
             normal.
         sends: Whether all topics may be published and all services called.
     """
-    from course_lib.ros.messages.definitions import type_hash
 
-    def report_later(line: str) -> None:
+    def report_while_linked(line: str) -> None:
         if graph.nodes() and not programs.is_ending and programs.are_running():
             report(line)
 
@@ -203,7 +203,9 @@ def linked_graph(
         # Definitions are read now, because reading them takes a second in which the first messages
         # would be lost.
         type_hash(name)
-    graph = RobotGraph(DdsLink(HOST, programs.domain), Permissions(allows_everything=sends), report_later)
+    graph = RobotGraph(
+        DdsLink(HOST, programs.domain), Permissions(allows_everything=sends), report_while_linked
+    )
     return graph
 
 
@@ -298,7 +300,12 @@ def run_on_ros(
         print_to_stderr(f"{environment}, domain {programs.domain} on this computer's loopback.")
         graph.tap(count)
         try:
-            with _recording(graph, bag), use_graph(graph):
+            with ExitStack() as stack:
+                if bag is not None:
+                    from course_lib.recording import record_to_bag
+
+                    stack.enter_context(record_to_bag(graph, bag))
+                stack.enter_context(use_graph(graph))
                 for file in files:
                     programs.start(file, arguments)
                 try:
@@ -317,14 +324,6 @@ def run_on_ros(
         kits = programs.kit_packages()
         print_to_stderr(f"{NOT_ROS_OWN}: {', '.join(kits)}." if kits else "All packages were ROS's own.")
     return code
-
-
-def _recording(graph: RobotGraph, bag: Path | None) -> AbstractContextManager[object]:
-    if bag is None:
-        return nullcontext()
-    from course_lib.recording import record_to_bag
-
-    return record_to_bag(graph, bag)
 
 
 def _follow(graph: RobotGraph, programs: RealProcesses, seconds: float | None, *, shows: bool) -> None:

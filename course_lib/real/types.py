@@ -14,7 +14,6 @@ from course_lib.ros.messages import message_class
 from course_lib.ros.messages.definitions import (
     PRIMITIVES,
     UNSUPPORTED,
-    FieldDefinition,
     add_package,
     definition,
     field_definitions,
@@ -51,7 +50,22 @@ def types_of(package: str) -> dict[str, dict[str, Any]]:
     descriptions: dict[str, dict[str, Any]] = {}
     names = [name for name in type_names() if name.startswith(f"{package}/") and name not in UNSUPPORTED]
     for name in names:
-        descriptions[name] = _describe(name)
+        defaults = {}
+        for field in definition(name).fields:
+            is_float = field.base in PRIMITIVES and PRIMITIVES[field.base].python is float
+            if field.default is not None and is_float and field.container == "scalar":
+                defaults[field.name] = float(field.default)
+            elif field.default is not None and is_float:
+                defaults[field.name] = [float(x) for x in field.default]
+            elif field.default is not None:
+                defaults[field.name] = field.default
+        descriptions[name] = {
+            "module": module_of_type(name),
+            "fields": message_class(name).get_fields_and_field_types(),
+            "constants": dict(definition(name).constants),
+            "defaults": defaults,
+            "hash": type_hash(name.removesuffix("_Request").removesuffix("_Response")),
+        }
         for end, kind in ((_SERVICE, "service"), (_ACTION, "action")):
             if name.endswith(end):
                 base_name = name.removesuffix(end)
@@ -79,28 +93,6 @@ def _add_own_packages(programs: Iterable[Path]) -> list[str]:
         except CourseError as error:
             problems.append(f"{name} cannot be imported: {error}")
     return problems
-
-
-def _describe(name: str) -> dict[str, Any]:
-    about = definition(name)
-    texts = message_class(name).get_fields_and_field_types()
-    defaults = {field.name: _default(field) for field in about.fields if field.default is not None}
-    base_name = name.removesuffix("_Request").removesuffix("_Response")
-    hashed = base_name if base_name != name else name
-    return {
-        "module": module_of_type(name),
-        "fields": texts,
-        "constants": dict(about.constants),
-        "defaults": defaults,
-        "hash": type_hash(hashed),
-    }
-
-
-def _default(field: FieldDefinition) -> Any:
-    is_float = field.base in PRIMITIVES and PRIMITIVES[field.base].python is float
-    if is_float:
-        return [float(x) for x in field.default] if field.container != "scalar" else float(field.default)
-    return field.default
 
 
 def main() -> None:

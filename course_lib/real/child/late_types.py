@@ -13,6 +13,7 @@ import importlib
 import re
 import struct
 import sys
+from array import array
 from collections.abc import Callable, Mapping
 from functools import cache
 from itertools import pairwise
@@ -143,13 +144,15 @@ class _Reader:
                 default = getattr(message, name)
                 # The wheels store arrays of numbers in containers with a fixed type, which must be
                 # kept.
-                setattr(
-                    message,
-                    name,
-                    default.__class__(values)
-                    if isinstance(default, list)
-                    else _as_container(default, values),
-                )
+                if isinstance(default, list):
+                    setattr(message, name, values)
+                elif isinstance(default, array):
+                    setattr(message, name, array(default.typecode, values))
+                else:
+                    # Only fields of the wheels have numpy arrays, so numpy is installed there.
+                    import numpy as np
+
+                    setattr(message, name, np.array(values, dtype=default.dtype))
             else:
                 setattr(message, name, [self.read_element(element) for _ in range(size)])
         if not fields:
@@ -157,19 +160,8 @@ class _Reader:
         return message
 
 
-def _as_container(template: Any, values: list[Any]) -> Any:
-    """Return values in the container type of a field: `array.array` or a numpy array."""
-    import array
-
-    if isinstance(template, array.array):
-        return array.array(template.typecode, values)
-    import numpy as np
-
-    return np.array(values, dtype=template.dtype)
-
-
 def serialize(message: Any) -> bytes:
-    """Return the CDR bytes of a message after their header."""
+    """Return a message as little-endian CDR bytes with their header."""
     writer = _Writer()
     writer.write_message(message)
     return HEADER + bytes(writer.body)
@@ -389,8 +381,14 @@ def _message_support(name: str, type_hash: str) -> int:
     return support
 
 
-def _metaclass(name: str) -> Any:
-    return type(f"Metaclass_{name}", (type,), {"__import_type_support__": classmethod(lambda cls: None)})
+def _create_class(name: str, support: int, namespace: Mapping[str, Any]) -> Any:
+    """Return a class as rosidl generates it. rclpy reads the type support from its metaclass."""
+    short_name = name.rpartition("/")[2]
+    attributes = {
+        "__import_type_support__": classmethod(lambda cls: None),
+        "_TYPE_SUPPORT": _capsule(support),
+    }
+    return type(f"Metaclass_{short_name}", (type,), attributes)(short_name, (), dict(namespace))
 
 
 def _reject_instances(kind: str) -> Callable[..., None]:
@@ -411,27 +409,24 @@ def _default(text: str) -> Any:
     return "" if is_string(element) else nested_class(element)()
 
 
-def _check(name: str, text: str, value: Any) -> None:
-    """Raise rosidl's AssertionError if a value has a different type."""
-    element, count = parse_type(text)
-    values = [value] if count is None else list(value)
-    if element in PRIMITIVES:
-        kind = type(PRIMITIVES[element][1])
-        kinds = (int, float) if kind is float else (int,) if kind is int else (kind,)
-        right = all(isinstance(value, kinds) or hasattr(value, "dtype") for value in values)
-        expected = kind.__name__
-    elif is_string(element):
-        right, expected = all(isinstance(value, str) for value in values), "str"
-    else:
-        right = all(isinstance(value, nested_class(element)) for value in values)
-        expected = element.rpartition("/")[2]
-    assert right, f"The '{name}' field must be of type '{expected}'"
-    assert not count or len(values) == count, f"The '{name}' field must have {count} values"
-
-
 def _field(name: str, text: str) -> property:
+    """Return the property of a field, which raises rosidl's AssertionError for another type."""
+    element, count = parse_type(text)
+
     def set_value(self: Any, value: Any) -> None:
-        _check(name, text, value)
+        values = [value] if count is None else list(value)
+        if element in PRIMITIVES:
+            kind = type(PRIMITIVES[element][1])
+            kinds = (int, float) if kind is float else (kind,)
+            is_right = all(isinstance(item, kinds) or hasattr(item, "dtype") for item in values)
+            expected = kind.__name__
+        elif is_string(element):
+            is_right, expected = all(isinstance(item, str) for item in values), "str"
+        else:
+            is_right = all(isinstance(item, nested_class(element)) for item in values)
+            expected = element.rpartition("/")[2]
+        assert is_right, f"The '{name}' field must be of type '{expected}'"
+        assert not count or len(values) == count, f"The '{name}' field must have {count} values"
         setattr(self, f"_{name}", value)
 
     return property(lambda self: getattr(self, f"_{name}"), set_value)
@@ -465,14 +460,13 @@ def _message_class(name: str, about: Mapping[str, Any]) -> type:
         "_fields_and_field_types": fields,
         "get_fields_and_field_types": classmethod(lambda cls: dict(fields)),
     }
-    metaclass = _metaclass(message)
-    created: type = metaclass(message, (), namespace)
+    created: type = _create_class(name, _message_support(name, about["hash"]), namespace)
+    metaclass: Any = type(created)
 
     @_callback(ct.py_object, _Pointer, holds_gil=True)
     def to_python(address: int) -> Any:
         return deserialize(_bytes[address], created)
 
-    metaclass._TYPE_SUPPORT = _capsule(_message_support(name, about["hash"]))
     metaclass._CREATE_ROS_MESSAGE, metaclass._DESTROY_ROS_MESSAGE = _capsule(_create), _capsule(_destroy)
     metaclass._CONVERT_FROM_PY, metaclass._CONVERT_TO_PY = _capsule(_from_python), _capsule(to_python)
     return created
@@ -495,15 +489,13 @@ def _service_class(name: str, module: str, request: type, response: type, type_h
     # type.
     about = _descriptions(name, type_hash)
     support = _ServiceSupport(_text(FAST_RTPS), _keep_alive(data), _find, *ends, ends[0], None, None, *about)
-    metaclass = _metaclass(service)
-    metaclass._TYPE_SUPPORT = _capsule(_keep_alive(support))
     namespace = {
         "Request": request,
         "Response": response,
         "__module__": module,
         "__init__": _reject_instances("Service"),
     }
-    created: type = metaclass(service, (), namespace)
+    created: type = _create_class(name, _keep_alive(support), namespace)
     return created
 
 
@@ -530,18 +522,14 @@ def _action_class(name: str, module: str, classes: Mapping[str, type], type_hash
         "GoalStatusMessage",
     )
     addresses = [_support_of(transport[name]) for name in order]
-    short = name.rpartition("/")[2]
-    metaclass = _metaclass(short)
-    metaclass._TYPE_SUPPORT = _capsule(
-        _keep_alive(_ActionSupport(*addresses, *_descriptions(name, type_hash)))
-    )
+    support = _ActionSupport(*addresses, *_descriptions(name, type_hash))
     namespace = {
         **{part: classes[f"{name}_{part}"] for part in ("Goal", "Result", "Feedback")},
         "Impl": type("Impl", (), transport),
         "__module__": module,
         "__init__": _reject_instances("Action"),
     }
-    created: type = metaclass(short, (), namespace)
+    created: type = _create_class(name, _keep_alive(support), namespace)
     return created
 
 
