@@ -98,10 +98,10 @@ class DdsBridge:
         calls: Sequence[str],
         report: Callable[[str], None],
     ) -> None:
-        self._robot = open_dds_link(address, domain)
-        self._class = ZenohLink(router, domain)
+        self._dds = open_dds_link(address, domain)
+        self._zenoh = ZenohLink(router, domain)
         # Both links share a queue, so that one thread runs the actions of both.
-        self._class.actions = self._robot.actions
+        self._zenoh.actions = self._dds.actions
         self._sends, self._calls = {f"/{name}" for name in sends}, {f"/{name}" for name in calls}
         self._report, self._reported = report, set[str]()
         self._nodes: dict[Hashable, ZenohEntity] = {}
@@ -115,20 +115,20 @@ class DdsBridge:
         # Monotonic times [s].
         self._polled, self._opened = 0.0, time.monotonic()
         self._is_found = False
-        self._own_node: DdsEntity = self._robot.node("gateway", "/")
-        self._robot.announce(self._own_node)
-        self._robot.watch(self._on_entity, report)
+        self._own_node: DdsEntity = self._dds.node("gateway", "/")
+        self._dds.announce(self._own_node)
+        self._dds.watch(self._on_entity, report)
 
     def is_up(self) -> bool:
         """Return whether a participant of the robot is connected now."""
-        return self._robot.is_up()
+        return self._dds.is_up()
 
     def run(self, seconds: float) -> None:
         """Run the queued actions of the links for `seconds`, and subscribe to the needed topics."""
         end = time.monotonic() + seconds
         while (remaining_seconds := end - time.monotonic()) > 0:
             try:
-                self._robot.actions.get(timeout=remaining_seconds)()
+                self._dds.actions.get(timeout=remaining_seconds)()
             except Empty:
                 break
             self._follow_demand()
@@ -136,7 +136,7 @@ class DdsBridge:
         if not self._is_found:
             self._is_found = self.is_up()
             if not self._is_found and time.monotonic() - self._opened > SILENT_SECONDS:
-                self._report_once("silent", self._robot.no_nodes_message())
+                self._report_once("silent", self._dds.no_nodes_message())
 
     def is_command(self, topic: str, type_name: str, command_hash: str) -> bool:
         """Return whether the robot receives commands of this type on a topic.
@@ -162,8 +162,8 @@ class DdsBridge:
 
     def close(self) -> None:
         """Disconnect from both networks after the robot has acknowledged its last command."""
-        self._robot.close()
-        self._class.close()
+        self._dds.close()
+        self._zenoh.close()
 
     def _on_entity(self, entity: Entity, has_joined: bool) -> None:
         """Declare an entity of the robot on the Zenoh side, or withdraw it."""
@@ -173,9 +173,9 @@ class DdsBridge:
         if not has_joined:
             self._remove(entity)
         elif entity.kind == "node":
-            node = self._class.node(entity.node, entity.namespace)
+            node = self._zenoh.node(entity.node, entity.namespace)
             self._nodes[entity.node_key] = node
-            self._declared[entity.key] = self._class.announce(node)
+            self._declared[entity.key] = self._zenoh.announce(node)
         else:
             self._add(entity)
 
@@ -194,9 +194,9 @@ class DdsBridge:
                 )
             return
         names = entity.topic, entity.type_name, entity.qos
-        declared = self._class.endpoint(node, entity.kind, *names, known_hash)
+        declared = self._zenoh.endpoint(node, entity.kind, *names, known_hash)
         if entity.kind == "publisher":
-            publisher = self._class.publisher(declared)
+            publisher = self._zenoh.publisher(declared)
             self._topics.setdefault(names, RobotTopic(*names)).publishers[entity.gid] = publisher
             self._declared[entity.key] = publisher
         elif entity.kind == "server" and entity.topic in self._calls:
@@ -205,14 +205,14 @@ class DdsBridge:
             if len(servers) == 1:
                 self._offer(entity.topic)
         else:
-            self._declared[entity.key] = self._class.announce(declared)
+            self._declared[entity.key] = self._zenoh.announce(declared)
         if entity.kind == "subscription" and entity.topic in self._sends:
             # The publisher of a command is declared in advance, because the first command would be lost.
             key = entity.topic, entity.type_name
             command = self._commands.get(key)
             if command is None:
-                endpoint = self._robot.endpoint(self._own_node, "publisher", *key, COMMAND_QOS, known_hash)
-                command = CommandTopic(self._robot.publisher(endpoint), "")
+                endpoint = self._dds.endpoint(self._own_node, "publisher", *key, COMMAND_QOS, known_hash)
+                command = CommandTopic(self._dds.publisher(endpoint), "")
             self._commands[key] = CommandTopic(command.publisher, entity.type_hash)
 
     def _offer(self, service: str) -> None:
@@ -222,11 +222,9 @@ class DdsBridge:
         """
         declared = next(iter(self._servers[service].values()))
         if service not in self._clients:
-            endpoint = self._robot.endpoint(
-                self._own_node, "client", service, declared.type_name, declared.qos
-            )
-            self._clients[service] = self._robot.client(endpoint)
-        self._offered[service] = self._class.service(declared, partial(self._on_request, service))
+            endpoint = self._dds.endpoint(self._own_node, "client", service, declared.type_name, declared.qos)
+            self._clients[service] = self._dds.client(endpoint)
+        self._offered[service] = self._zenoh.service(declared, partial(self._on_request, service))
 
     def _on_request(self, service: str, cdr: bytes, send_reply: SendReply) -> None:
         def on_reply(reply: bytes | None) -> None:
@@ -268,7 +266,7 @@ class DdsBridge:
         for key, topic in tuple(self._topics.items()):
             is_needed = topic.is_needed()
             if is_needed and topic.subscription is None:
-                topic.subscription = self._robot.subscriber(*key, 0, topic.on_packet)
+                topic.subscription = self._dds.subscriber(*key, 0, topic.on_packet)
             elif not is_needed and topic.subscription is not None:
                 topic.subscription.withdraw()
                 topic.subscription = None

@@ -22,7 +22,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import zenoh
 from tornado.httpserver import HTTPServer
@@ -31,6 +31,7 @@ from tornado.web import Application, RequestHandler
 
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
+from course_lib.gateway.dds_bridge import DdsBridge
 from course_lib.grading.submissions.roster import read_class
 from course_lib.ros.graph.topics import ros_type
 from course_lib.ros.robot.addresses import full_address, is_over_dds
@@ -46,9 +47,6 @@ from course_lib.ros.zenoh.link import (
     gateway_key,
 )
 from course_lib.third_party import read_json
-
-if TYPE_CHECKING:
-    from course_lib.gateway.dds_bridge import DdsBridge
 
 # The protocol between both routers. Students can neither listen nor connect with it.
 INNER = "unixsock-stream"
@@ -97,7 +95,7 @@ def access_control(students: Sequence[str], calls: Sequence[str], domain: int) -
     questions = [latched, *(f"{domain}/{name}/*/*" for name in calls)]
     clients = [_tokens(domain, "SC", name.replace("/", "%")) for name in calls]
     listeners = [_tokens(domain, "NN"), _tokens(domain, "MS"), *clients]
-    read_topics = [
+    other_domains = [
         key
         for other in DOMAINS
         if other != domain
@@ -111,7 +109,7 @@ def access_control(students: Sequence[str], calls: Sequence[str], domain: int) -
             _rule("hear", ["egress"], MESSAGES, EVERYWHERE),
             _rule("ask", ["ingress"], ["query"], questions),
             _rule("listen", ["ingress"], ["liveliness_token"], listeners),
-            _rule("others", ["ingress"], MESSAGES, read_topics),
+            _rule("others", ["ingress"], MESSAGES, other_domains),
             *(_rule(f"own {name}", ["ingress"], MESSAGES, _student_keys(domain, name)) for name in students),
             _rule("robot", ["ingress"], MESSAGES, EVERYWHERE),
             _rule("asked", ["egress"], ["query"], questions),
@@ -412,7 +410,10 @@ class Gateway:
             }
         )
         self._handlers = Handlers()
-        self._bridge = _bridge(settings, inner, report) if is_over_dds(settings.robot) else None
+        self._bridge: DdsBridge | None = None
+        if is_over_dds(settings.robot):
+            allowed = settings.sends, settings.services
+            self._bridge = DdsBridge(settings.robot, inner, settings.domain, *allowed, report)
         self._node = ZenohEntity(
             kind="node",
             domain=settings.domain,
@@ -422,8 +423,9 @@ class Gateway:
             namespace="/",
             node="gateway",
         )
-        self._kept: list[Any] = [
-            self._announce_driver(self._node),
+        # Zenoh undeclares a token or a subscriber whose object is deleted.
+        self._declarations: list[Any] = [
+            self.robot_side.liveliness().declare_token(self._node.token),
             *(
                 self.class_side.declare_subscriber(
                     f"{settings.domain}/{STUDENTS}/*/{topic}/*/*", self._handlers.direct(self._on_command)
@@ -431,7 +433,7 @@ class Gateway:
                 for topic in settings.sends
             ),
         ]
-        self._peer_addresses = self._show_driver()
+        self._driver_token = self._declare_driver()
 
     def set_driver(self, driver: GatewayUser | None) -> None:
         """Change the driver. The robot is stopped first."""
@@ -442,8 +444,8 @@ class Gateway:
                     stream.token.undeclare()
                 self._streams.clear()
                 self.driver = driver
-                before, self._peer_addresses = self._peer_addresses, self._show_driver()
-                before.undeclare()
+                old_token, self._driver_token = self._driver_token, self._declare_driver()
+                old_token.undeclare()
 
     def wait(self, seconds: float) -> None:
         """Wait, and serve the link to a robot over DDS during the wait."""
@@ -519,7 +521,7 @@ class Gateway:
             self.passed[name] += 1
             self._put(stream, payload)
 
-    def _show_driver(self) -> Any:
+    def _declare_driver(self) -> Any:
         """Declare the token that reports the driver to the students' kits."""
         name = self.driver.name if self.driver is not None else ""
         return self.class_side.liveliness().declare_token(gateway_key(name, self.settings.sends))
@@ -542,11 +544,9 @@ class Gateway:
                 type_name=ros_type(dds),
                 type_hash=type_hash,
             )
-            self._streams[key] = _Stream(publisher, self._announce_driver(publisher))
+            token = self.robot_side.liveliness().declare_token(publisher.token)
+            self._streams[key] = _Stream(publisher, token)
         return self._streams.get(key)
-
-    def _announce_driver(self, entity: ZenohEntity) -> Any:
-        return self.robot_side.liveliness().declare_token(entity.token)
 
     def _put(self, stream: _Stream, payload: bytes) -> None:
         if self._bridge is not None:
@@ -555,14 +555,6 @@ class Gateway:
         stream.sequence += 1
         attachment = encode_attachment(stream.sequence, stream.entity.gid, time.time_ns())
         self.robot_side.put(stream.entity.key_expr, payload, attachment=attachment)
-
-
-def _bridge(settings: Settings, inner: str, report: Callable[[str], None]) -> "DdsBridge":
-    # Imported here, as the module needs Zenoh.
-    from course_lib.gateway.dds_bridge import DdsBridge
-
-    names = settings.sends, settings.services
-    return DdsBridge(settings.robot, inner, settings.domain, *names, report)
 
 
 def _links(session: zenoh.Session, own_ids: set[str]) -> list[str]:

@@ -5,7 +5,8 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -129,11 +130,6 @@ def _end_with_input() -> None:
     _thread.interrupt_main()
 
 
-def _drop(lines: Iterator[str]) -> None:
-    for _ in lines:
-        pass
-
-
 class RobotProcess:
     """A robot in another process, which ends with this one; see `start_robot`.
 
@@ -224,8 +220,9 @@ def start_robot(link: Literal["zenoh", "dds"] = "zenoh") -> RobotProcess:
         for line in lines:
             output.append(line)
             if READY in line:
-                # The pipe must be read, or it would become full and block the robot.
-                _thread.start_new_thread(_drop, (lines,))
+                # The pipe must be read, or it would become full and block the robot. A deque of
+                # length 0 reads all lines and keeps none.
+                _thread.start_new_thread(deque, (lines, 0))
                 return RobotProcess(process, place, software)
         process.wait()
     finally:

@@ -79,7 +79,9 @@ class Channel:
 
         It is sent with the next `send`, or when the queue is full.
         """
-        self._pack(frame)
+        body = msgpack.packb(frame, use_bin_type=True)
+        self._unsent.append(_HEADER.pack(len(body)) + body)
+        self._unsent_bytes += len(body)
         if len(self._unsent) >= MAX_QUEUED or self._unsent_bytes >= MAX_BATCH:
             self._send_all()
 
@@ -88,8 +90,9 @@ class Channel:
 
         Raise a ChannelError if it is not accepted in time.
         """
-        self._pack(frame)
-        self._send_all()
+        self.queue(frame)
+        if self._unsent:
+            self._send_all()
 
     def receive(self) -> list[Any]:
         """Receive the next frame.
@@ -123,11 +126,6 @@ class Channel:
     def close(self) -> None:
         """Close this end."""
         self._socket.close()
-
-    def _pack(self, frame: list[Any]) -> None:
-        body = msgpack.packb(frame, use_bin_type=True)
-        self._unsent.append(_HEADER.pack(len(body)) + body)
-        self._unsent_bytes += len(body)
 
     def _send_all(self) -> None:
         data, self._unsent, self._unsent_bytes = b"".join(self._unsent), [], 0

@@ -63,7 +63,15 @@ def link_to(robot: RobotAddress, *, notebook: bool = False) -> "RobotGraph":
     text = (os.environ.get("ROS_DOMAIN_ID") or "0") if robot.domain is None else str(robot.domain)
     if not text.isdecimal() or int(text) > MAX_DOMAIN:
         raise CourseError(f"{text!r} is not a domain: expected a number from 0 to {MAX_DOMAIN}.")
-    link = _open_link(robot.router, int(text))
+    link: Link
+    if is_over_dds(robot.router):
+        link = open_dds_link(robot.router, int(text))
+    else:
+        router = full_address(robot.router)
+        require_zenoh(f"A link over DDS, like {DDS}192.168.1.5, needs none.")
+        from course_lib.ros.zenoh.link import ZenohLink
+
+        link = ZenohLink(router, int(text))
     allowed = (
         Permissions(allows_everything=True)
         if robot.everything
@@ -82,17 +90,6 @@ def link_to(robot: RobotAddress, *, notebook: bool = False) -> "RobotGraph":
     if not graph.nodes():
         report(link.no_nodes_message())
     return graph
-
-
-def _open_link(address: str, domain: int) -> "Link":
-    """Open a link over DDS for `dds/HOST`, else over Zenoh."""
-    if is_over_dds(address):
-        return open_dds_link(address, domain)
-    router = full_address(address)
-    require_zenoh(f"A link over DDS, like {DDS}192.168.1.5, needs none.")
-    from course_lib.ros.zenoh.link import ZenohLink
-
-    return ZenohLink(router, domain)
 
 
 def require_zenoh(instead: str) -> None:

@@ -616,8 +616,14 @@ class RobotGraph(Graph):
         """Return the state of the link: address, permissions, clocks and rates of topics."""
         blocked_counts = [f"{count} on {name}" for name, count in sorted(self.blocked.counts.items())]
         skew = self._clock_skew()
+        if self._is_up and self._is_silent:
+            state = f"no answer for {self.link.silent_seconds():.0f} s"
+        elif self._is_up:
+            state = "connected"
+        else:
+            state = "no answer yet" if self._down_since is None else "lost"
         return [
-            (self.link.peer, f"{self.link.address}, {self._state()}"),
+            (self.link.peer, f"{self.link.address}, {state}"),
             ("domain", self.link.domain),
             ("nodes", len(self._remote)),
             *self._allowed.status_rows(),
@@ -629,13 +635,9 @@ class RobotGraph(Graph):
 
     def link_error(self) -> str:
         """Return why nothing is received from the robot, or "" if the link works."""
-        if not self._is_up:
-            return (
-                f"The link to {self.link.address} is lost."
-                if self._down_since
-                else no_answer_message(self.link)
-            )
-        return no_answer_message(self.link) if self._is_silent else ""
+        if not self._is_up and self._down_since is not None:
+            return f"The link to {self.link.address} is lost."
+        return no_answer_message(self.link) if self._is_silent or not self._is_up else ""
 
     def take_blocked_calls(self) -> list[str]:
         """Return the services whose calls have been blocked since the last call."""
@@ -794,12 +796,6 @@ class RobotGraph(Graph):
         if self._is_silent and not was_silent:
             self._report(no_answer_message(self.link))
         self._is_up = is_up
-
-    def _state(self) -> str:
-        if self._is_up:
-            seconds = self.link.silent_seconds()
-            return f"no answer for {seconds:.0f} s" if self._is_silent else "connected"
-        return "no answer yet" if self._down_since is None else "lost"
 
     def _clock_skew(self) -> float | None:
         """Return the offset of the robot's clock from this computer's clock [s], minus the transport time.

@@ -102,7 +102,7 @@ def split_login(address: str) -> tuple[str, Login]:
     return (match[1] + match[4], Login(match[2], match[3])) if match else (address, NO_LOGIN)
 
 
-class DriverLock:
+class DriverReport:
     """Reports the student's topics that a gateway does not forward, once for each driver.
 
     Args:
@@ -230,21 +230,16 @@ def open_session(address: str, login: Login = NO_LOGIN) -> zenoh.Session:
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:
-        raise CourseError(_unreachable_message(address, login)) from error
-
-
-def _unreachable_message(address: str, login: Login) -> str:
-    """Return the error text for an address that does not answer."""
-    if login.name:
-        return (
-            f"No gateway lets {login.name} in at {address}. Does `course router` run there, is the "
-            "token the one that you were given, is this the right network?"
-        )
-    return (
-        f"No Zenoh router answers at {address}. Does `ros2 run rmw_zenoh_cpp rmw_zenohd` run on "
-        "the robot, is its port open, is this the right network? A robot without Zenoh has an "
-        "address like dds/192.168.1.5."
-    )
+        if login.name:
+            raise CourseError(
+                f"No gateway lets {login.name} in at {address}. Does `course router` run there, is the "
+                "token the one that you were given, is this the right network?"
+            ) from error
+        raise CourseError(
+            f"No Zenoh router answers at {address}. Does `ros2 run rmw_zenoh_cpp rmw_zenohd` run on "
+            "the robot, is its port open, is this the right network? A robot without Zenoh has an "
+            "address like dds/192.168.1.5."
+        ) from error
 
 
 ADMIN = "@ros2_lv"  # the first part of every liveliness token
@@ -523,7 +518,7 @@ class ZenohLink(Link):
         stored_address, self._login = split_login(address)
         super().__init__(stored_address, domain)
         self.handlers = Handlers()
-        self._driver_lock: DriverLock | None = None
+        self._driver_report: DriverReport | None = None
         # Number of messages from an rmw_zenoh before 0.2.4.
         self._old_attachments = 0
         self._session = open_session(self.address, self._login)
@@ -561,13 +556,13 @@ class ZenohLink(Link):
 
         def on_driver(sample: zenoh.Sample) -> None:
             if sample.kind == zenoh.SampleKind.PUT:
-                self.enqueue(lock.change, *read_gateway_key(str(sample.key_expr)))
+                self.enqueue(driver_report.change, *read_gateway_key(str(sample.key_expr)))
 
         liveliness = self._session.liveliness()
         tokens = f"{ADMIN}/{self.domain}/**"
         liveliness.declare_subscriber(tokens, self.handlers.direct(on_token), history=True)
         if self._login.name:
-            lock = self._driver_lock = DriverLock(self._login, report)
+            driver_report = self._driver_report = DriverReport(self._login, report)
             liveliness.declare_subscriber(f"{GATEWAY}/*/*", self.handlers.direct(on_driver), history=True)
 
     def domains(self) -> list[int]:
@@ -593,12 +588,12 @@ class ZenohLink(Link):
 
     def on_sent(self, topic: str) -> None:
         """Report that a gateway does not forward a topic because this student is not the driver."""
-        if self._driver_lock is not None:
-            self._driver_lock.on_sent(topic)
+        if self._driver_report is not None:
+            self._driver_report.on_sent(topic)
 
     def status_rows(self) -> list[tuple[str, object]]:
         """Return the driver at a gateway as a row of `ros2 doctor`."""
-        return [] if self._driver_lock is None else self._driver_lock.status_rows()
+        return [] if self._driver_report is None else self._driver_report.status_rows()
 
     def warnings(self) -> Iterable[tuple[str, str]]:
         """Yield a warning if a robot's rmw_zenoh sends attachments that the kit cannot read."""

@@ -2,7 +2,7 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.ros.zenoh.link import (
-    DriverLock,
+    DriverReport,
     Login,
     gateway_key,
     open_session,
@@ -60,28 +60,28 @@ def test_gateway_token_contains_the_driver_and_the_topics(driver: str, topics: l
 
 def test_student_is_notified_once_per_driver_about_topics_not_forwarded() -> None:
     lines: list[str] = []
-    lock = DriverLock(Login("bob", "x"), lines.append)
-    lock.on_sent("/cmd_vel")  # before the gateway has announced it
+    report = DriverReport(Login("bob", "x"), lines.append)
+    report.on_sent("/cmd_vel")  # before the gateway has announced it
     for driver in ("ann", "", "bob"):
         for _ in range(3):
-            lock.change(driver, ["/cmd_vel"])
-            lock.on_sent("/cmd_vel")
-            lock.on_sent("/note")
-            lock.on_sent("/students/bob/own")
+            report.change(driver, ["/cmd_vel"])
+            report.on_sent("/cmd_vel")
+            report.on_sent("/note")
+            report.on_sent("/students/bob/own")
     assert lines == [
         "ann drives: your /cmd_vel is not passed on to the robot. The instructor chooses the driver.",
         "The gateway does not pass /note on to the robot: others hear it as /students/bob/note.",
         "Nobody drives: your /cmd_vel is not passed on to the robot. The instructor chooses the driver.",
         "You drive now: your /cmd_vel goes to the robot.",
     ]
-    assert lock.status_rows() == [("driver", "you")]
+    assert report.status_rows() == [("driver", "you")]
 
 
 def test_driver_and_link_without_a_gateway_receive_no_notice() -> None:
     lines: list[str] = []
-    driver, direct = DriverLock(Login("ann", "x"), lines.append), DriverLock(Login(), lines.append)
+    driver, direct = DriverReport(Login("ann", "x"), lines.append), DriverReport(Login(), lines.append)
     driver.change("ann", ["/cmd_vel"])
-    for lock in (driver, direct):
-        lock.on_sent("/cmd_vel")
+    for report in (driver, direct):
+        report.on_sent("/cmd_vel")
     assert not lines
     assert not direct.status_rows()
