@@ -50,7 +50,7 @@ def types_of(package: str) -> dict[str, dict[str, Any]]:
     descriptions: dict[str, dict[str, Any]] = {}
     names = [name for name in type_names() if name.startswith(f"{package}/") and name not in UNSUPPORTED]
     for name in names:
-        defaults = {}
+        defaults: dict[str, Any] = {}
         for field in definition(name).fields:
             is_float = field.base in PRIMITIVES and PRIMITIVES[field.base].python is float
             if field.default is not None and is_float and field.container == "scalar":
