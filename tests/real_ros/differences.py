@@ -116,6 +116,20 @@ AGREEMENTS = {
     "Depth in `get_publishers_info_by_topic`": ("graphs", "endpoint.text"),
 }
 
+# Public callables with other parameters, with their row.
+_CONSTRUCTORS = "Constructors of publishers, clients, timers …"
+SIGNATURES = dict.fromkeys(
+    (
+        "rclpy.client.Client",
+        "rclpy.event_handler.EventHandler",
+        "rclpy.publisher.Publisher",
+        "rclpy.service.Service",
+        "rclpy.subscription.Subscription",
+        "rclpy.timer.Timer",
+    ),
+    _CONSTRUCTORS,
+)
+
 # Programs whose exit code differs, because the run ends on request and not by Ctrl+C.
 END_OF_A_RUN = "The end of a run"
 ENDS_AS_ASKED = ("plain_spin", "while_ok")

@@ -48,7 +48,8 @@ def test_each_row_of_an_agreement_has_a_probe_that_agrees(row: str) -> None:
 def test_differences_of_programs_have_rows() -> None:
     test_of_programs = "test_end_of_a_run_has_the_same_effect_on_a_program_as_ctrl_c"
     assert test_of_programs in _tests_of(differences.END_OF_A_RUN)
-    for row in (*differences.OTHER_VALUES.values(), *differences.MISTAKES.values()):
+    rows = (*differences.OTHER_VALUES.values(), *differences.MISTAKES.values())
+    for row in (*rows, *differences.SIGNATURES.values()):
         assert _tests_of(row)
     for row in differences.NODES.values():
         assert "test_node_of_the_course_has_the_outcome_of_the_real_rclpy" in _tests_of(row)

@@ -2,15 +2,20 @@
 
 import ast
 import importlib
+import inspect
 import json
 import re
 import subprocess
 import sys
 from collections.abc import Iterable
+from enum import Enum
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
+
+from tests.real_ros import differences
 
 HERE = Path(__file__).parent
 Names = dict[str, list[str]]
@@ -133,6 +138,52 @@ def _is_in_kit(name: str) -> bool:
             drawable = getattr(drawable, part)
         return True
     return False
+
+
+def _frozen_list(file: str) -> Any:
+    outcomes = json.loads((HERE / "frozen" / f"{file}.json").read_text("utf-8"))["outcomes"]
+    return ast.literal_eval(outcomes[file])
+
+
+def _find(name: str) -> Any:
+    """Return the attribute of the kit's rclpy with a dotted name, in which a class may come last but one."""
+    owner, _, attribute = name.rpartition(".")
+    try:
+        return getattr(importlib.import_module(owner), attribute)
+    except ModuleNotFoundError:
+        return getattr(_find(owner), attribute)
+
+
+def test_parameters_of_each_public_callable_are_those_of_rclpy(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(HERE / "probes")
+    parameters = importlib.import_module("signatures").parameters
+    found = {name: text for name, text in _frozen_list("signatures").items() if _is_in_kit(name)}
+    assert len(found) > 400
+    kits = {name: parameters(_find(name)) for name in found}
+    different = {name for name, text in found.items() if kits[name] != text}
+    assert {name: (found[name], kits[name]) for name in different - differences.SIGNATURES.keys()} == {}
+    assert differences.SIGNATURES.keys() - different == set()
+
+
+def test_names_that_only_the_kit_has_are_listed() -> None:
+    page = (HERE.parents[1] / "docs" / "simulated.md").read_text("utf-8")
+    row = next(line for line in page.splitlines() if line.startswith("| Names that only the kit has |"))
+    names = set(_frozen_list("modules"))
+    extra = set()
+    for path in ("rclpy", "rclpy.action", "rclpy.lifecycle", "rclpy.exceptions"):
+        module = importlib.import_module(path)
+        origins = {name: str(getattr(value, "__module__", "")) for name, value in vars(module).items()}
+        own = "rclpy" if hasattr(module, "__path__") else path
+        extra |= {f"{path}.{name}" for name, origin in origins.items() if origin.startswith(own)}
+    owners = {name.rpartition(".")[0] for name in names if name.count(".") > 2}
+    classes = {name: _find(name) for name in owners & names if _is_in_kit(name)}
+    for path, value in classes.items():
+        if inspect.isclass(value) and not issubclass(value, BaseException | Enum):
+            extra |= {f"{path}.{name}" for name in dir(value) if callable(getattr(value, name))}
+    waitables = {name.rpartition(".")[2] for name in names if name.startswith("rclpy.waitable.Waitable.")}
+    attributes = {name: name.rpartition(".")[2] for name in extra - names}
+    public = {name for name, last in attributes.items() if last[0] != "_" and last not in waitables}
+    assert public == set(re.findall(r"`(rclpy\.[\w.]+)`", row))
 
 
 def test_node_has_no_public_name_missing_in_rclpy() -> None:

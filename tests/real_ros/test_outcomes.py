@@ -43,7 +43,9 @@ def _kits(file: str) -> dict[str, str]:
 
 
 FILES = sorted(
-    file.stem for file in (HERE / "probes").glob("*.py") if file.stem not in ("probing", "names", "modules")
+    file.stem
+    for file in (HERE / "probes").glob("*.py")
+    if file.stem not in ("probing", "names", "modules", "signatures")
 )
 
 

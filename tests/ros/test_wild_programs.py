@@ -50,5 +50,7 @@ def test_run_is_classified_by_its_exit_code_and_last_line(
 
 
 def test_program_with_a_second_shutdown_at_its_end_is_a_success() -> None:
-    text = "rclpy.exceptions.RCLError: failed to shutdown: rcl_shutdown already called on the given context"
+    text = (
+        "rclpy._rclpy_pybind11.RCLError: failed to shutdown: rcl_shutdown already called on the given context"
+    )
     assert judged(1, f"Traceback\n{text}\nhint: rclpy is shut down") == ("runs", "")

@@ -61,7 +61,7 @@ HOME_MODULES = {
     "launch_ros.parameters_type": "launch_ros.utilities",
     "launch_ros.remap_rule_type": "launch_ros.utilities",
     "launch_ros.substitutions.find_package": "launch_ros.substitutions",
-    "rclpy._rclpy_pybind11": "rclpy.exceptions",
+    "rclpy._rclpy_pybind11": "rclpy.impl.implementation_singleton",
     "rclpy.clock_type": "rclpy.time",
     "rclpy.constants": "rclpy.duration",
     "rclpy.expand_topic_name": "rclpy.impl.names",

@@ -3,8 +3,8 @@ from typing import Any
 
 import pytest
 import rclpy
-from rclpy.exceptions import RCLInvalidROSArgsError, UnknownROSArgsError
 from rclpy.impl.arguments import parse
+from rclpy.impl.implementation_singleton import RCLInvalidROSArgsError, UnknownROSArgsError
 from rclpy.logging import LoggingSeverity
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions

@@ -20,7 +20,7 @@ while not client.wait_for_service(timeout_sec=1.0):
 print("found")
 """
 IN_MAIN = """
-import rclpy, rclpy.exceptions, time
+import rclpy, rclpy._rclpy_pybind11, time
 from rclpy.node import Node
 rclpy.init()
 node = Node("talker")
@@ -32,7 +32,7 @@ except KeyboardInterrupt:
 print(rclpy.ok())
 try:
     rclpy.spin_once(node)
-except rclpy.exceptions.RCLError as error:
+except rclpy._rclpy_pybind11.RCLError as error:
     print(type(error).__name__)
 node.destroy_node()
 rclpy.try_shutdown()

@@ -1,7 +1,8 @@
 import pytest
 import rclpy
 from rclpy.context import Context
-from rclpy.exceptions import NotInitializedException, RCLError
+from rclpy.exceptions import NotInitializedException
+from rclpy.impl.implementation_singleton import RCLError
 from rclpy.node import Node
 
 from course_lib.ros.graph.graph import Graph, use_graph

@@ -8,7 +8,7 @@ import rclpy
 from lifecycle_msgs.msg import State as StateMsg
 from lifecycle_msgs.msg import Transition, TransitionEvent
 from lifecycle_msgs.srv import ChangeState, GetAvailableStates, GetAvailableTransitions, GetState
-from rclpy.exceptions import RCLError
+from rclpy.impl.implementation_singleton import RCLError
 from rclpy.lifecycle import LifecycleNode, Node, SimpleManagedEntity, State, TransitionCallbackReturn
 from rclpy.lifecycle.node import ManagedEntity
 from std_msgs.msg import String

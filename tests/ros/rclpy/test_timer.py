@@ -3,7 +3,8 @@ import threading
 import pytest
 import rclpy
 from rclpy.duration import Duration
-from rclpy.exceptions import InvalidHandle, RCLError
+from rclpy.exceptions import InvalidHandle
+from rclpy.impl.implementation_singleton import RCLError
 from rclpy.node import Node
 
 from course_lib.ros.graph.graph import START_NS, Graph

@@ -7,15 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any
 
 from course_lib.ros.notices import say
+from rclpy import utilities
 from rclpy.context import NOT_INITIALIZED
 from rclpy.context import Context as Context
-from rclpy.exceptions import RCLError
-from rclpy.executors import Executor
 from rclpy.executors import get_global_executor as get_global_executor
-from rclpy.logging import get_logger
+from rclpy.impl.implementation_singleton import RCLError as _RCLError
+from rclpy.logging import get_logger as _get_logger
 from rclpy.parameter import Parameter as Parameter
 from rclpy.signals import SignalHandlerOptions as SignalHandlerOptions
 from rclpy.signals import install_signal_handlers, uninstall_signal_handlers
@@ -25,7 +25,8 @@ from rclpy.utilities import get_rmw_implementation_identifier as get_rmw_impleme
 from rclpy.utilities import ok as ok
 
 if TYPE_CHECKING:
-    from rclpy.node import Node, NodeOptions
+    from rclpy.executors import Executor
+    from rclpy.node import Node
 
 
 class InitContextManager(ExitStack):
@@ -68,12 +69,12 @@ def init(
         return InitContextManager(used_context)
     try:
         used_context.init(args, domain_id=domain_id)
-    except RCLError as error:
+    except _RCLError as error:
         if str(error).startswith(NOT_INITIALIZED):
-            get_logger("rcl").error("Failed to parse global arguments")
+            _get_logger("rcl").error("Failed to parse global arguments")
         raise
     for warning in used_context.arguments.warnings:
-        get_logger("rcl").warning(warning)
+        _get_logger("rcl").warning(warning)
     if signal_handler_options is None:
         signal_handler_options = SignalHandlerOptions.ALL if context is None else SignalHandlerOptions.NO
     if not used_context.graph.notebook:
@@ -88,23 +89,46 @@ def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None 
         RuntimeError: The context was not initialized or is already shut down. `try_shutdown`
             ignores both.
     """
-    (context or get_default_context(shutting_down=True)).shutdown()
+    utilities.shutdown(context=context)
     _uninstall(context, uninstall_handlers)
 
 
 def try_shutdown(*, context: Context | None = None) -> None:
     """Shut a context down if it is valid."""
-    (context or get_default_context(shutting_down=True)).try_shutdown()
+    utilities.try_shutdown(context=context)
     _uninstall(context, None)
 
 
-def create_node(node_name: str, **options: Unpack[NodeOptions]) -> Node:
+def create_node(
+    node_name: str,
+    *,
+    context: Context | None = None,
+    cli_args: list[str] | None = None,
+    namespace: str | None = None,
+    use_global_arguments: bool = True,
+    enable_rosout: bool = True,
+    start_parameter_services: bool = True,
+    parameter_overrides: list[Parameter] | None = None,
+    allow_undeclared_parameters: bool = False,
+    automatically_declare_parameters_from_overrides: bool = False,
+    enable_logger_service: bool = False,
+) -> Node:
     """Create a node with the arguments of `Node`."""
     from rclpy.node import Node
 
-    for name in options.keys() - Node.__init__.__annotations__.keys():
-        raise TypeError(f"create_node() got an unexpected keyword argument '{name}'")
-    return Node(node_name, **options)
+    return Node(
+        node_name,
+        context=context,
+        cli_args=cli_args,
+        namespace=namespace,
+        use_global_arguments=use_global_arguments,
+        enable_rosout=enable_rosout,
+        start_parameter_services=start_parameter_services,
+        parameter_overrides=parameter_overrides,
+        allow_undeclared_parameters=allow_undeclared_parameters,
+        automatically_declare_parameters_from_overrides=automatically_declare_parameters_from_overrides,
+        enable_logger_service=enable_logger_service,
+    )
 
 
 def spin(node: Node, executor: Executor | None = None) -> None:

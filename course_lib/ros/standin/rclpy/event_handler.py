@@ -8,7 +8,7 @@ from typing import Any
 
 from course_lib.ros.graph.graph import Alarm
 from rclpy.callback_groups import CallbackGroup
-from rclpy.exceptions import UnsupportedEventTypeError as UnsupportedEventTypeError
+from rclpy.impl.implementation_singleton import UnsupportedEventTypeError as UnsupportedEventTypeError
 from rclpy.impl.node_handle import Entity, NodeHandle
 from rclpy.logging import get_logger
 from rclpy.qos import QoSPolicyKind
@@ -138,13 +138,7 @@ class EventCallbacks:
     incompatible_type: Report | None
     liveliness: Report | None
     matched: Report | None
-
-    def __init__(self, *, use_default_callbacks: bool = True, **callbacks: Report | None) -> None:
-        for name in callbacks.keys() - set(self._events):
-            raise TypeError(f"{type(self).__name__}.__init__() got an unexpected keyword argument '{name}'")
-        self.use_default_callbacks = use_default_callbacks
-        for name in self._events:
-            setattr(self, name, callbacks.get(name))
+    use_default_callbacks: bool
 
     @classmethod
     def require(cls, given: object) -> None:
@@ -188,11 +182,25 @@ class SubscriptionEventCallbacks(EventCallbacks):
     """The event callbacks of a subscription. Messages are never lost here."""
 
     _events = (*EventCallbacks._events, "message_lost")
-    message_lost: Report | None
     _warning = (
         "New publisher discovered on topic '{}', offering incompatible QoS. "
         "No messages will be received from it. Last incompatible policy: {}"
     )
+
+    def __init__(
+        self,
+        *,
+        deadline: Report | None = None,
+        incompatible_qos: Report | None = None,
+        liveliness: Report | None = None,
+        message_lost: Report | None = None,
+        incompatible_type: Report | None = None,
+        matched: Report | None = None,
+        use_default_callbacks: bool = True,
+    ) -> None:
+        self.deadline, self.liveliness, self.message_lost = deadline, liveliness, message_lost
+        self.incompatible_qos, self.incompatible_type = incompatible_qos, incompatible_type
+        self.matched, self.use_default_callbacks = matched, use_default_callbacks
 
 
 class PublisherEventCallbacks(EventCallbacks):
@@ -202,6 +210,20 @@ class PublisherEventCallbacks(EventCallbacks):
         "New subscription discovered on topic '{}', requesting incompatible QoS. "
         "No messages will be sent to it. Last incompatible policy: {}"
     )
+
+    def __init__(
+        self,
+        *,
+        deadline: Report | None = None,
+        liveliness: Report | None = None,
+        incompatible_qos: Report | None = None,
+        incompatible_type: Report | None = None,
+        matched: Report | None = None,
+        use_default_callbacks: bool = True,
+    ) -> None:
+        self.deadline, self.liveliness = deadline, liveliness
+        self.incompatible_qos, self.incompatible_type = incompatible_qos, incompatible_type
+        self.matched, self.use_default_callbacks = matched, use_default_callbacks
 
 
 class EventHandler(Entity):

@@ -5,14 +5,10 @@
 from typing import TYPE_CHECKING
 
 from course_lib.ros.time.time_lock import ShutDown
+from rclpy.impl.implementation_singleton import InvalidHandle as InvalidHandle
 
 if TYPE_CHECKING:
     from rclpy.parameter import Parameter
-
-
-INVALID_CONTEXT = (
-    "the given context is not valid, either rcl_init() was not called or rcl_shutdown() was called."
-)
 
 
 class NotInitializedException(Exception):
@@ -22,54 +18,11 @@ class NotInitializedException(Exception):
         super().__init__("rclpy.init() has not been called." + (f" msg:{message}" if message else ""))
 
 
-class RCLError(RuntimeError):
-    """An error reported by rcl, the layer below rclpy."""
-
-
-class RCLInvalidROSArgsError(RCLError):
-    """The arguments after `--ros-args` are malformed."""
-
-
-class UnknownROSArgsError(RuntimeError):
-    """There are arguments after `--ros-args` that ROS does not know."""
-
-
-class NodeNameNonExistentError(RCLError):
-    """There is no node of that name."""
-
-
 class NoTypeSupportImportedException(Exception):
     """The class has no ROS type support. Not raised here, where every message type has it."""
 
-
-class TimeoutException(Exception):
-    """No callback became ready before the timeout."""
-
-
-class ExternalShutdownException(ShutDown):
-    """The context was shut down while an executor waited."""
-
-
-class ShutdownException(Exception):
-    """An executor was shut down while it was waiting."""
-
-
-class ConditionReachedException(Exception):
-    """The awaited condition became true before a callback was ready."""
-
-
-class UnsupportedEventTypeError(RCLError):
-    """The middleware does not support an event type. Not raised here, where all are supported."""
-
-
-class InvalidHandle(RuntimeError):
-    """A destroyed object was used."""
-
-    def __init__(
-        self,
-        message: str = "cannot use Destroyable because destruction was requested",
-    ) -> None:
-        super().__init__(message)
+    def __init__(self) -> None:
+        super().__init__("no type_support imported")
 
 
 class ROSInterruptException(ShutDown):

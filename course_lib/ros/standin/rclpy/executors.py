@@ -18,15 +18,12 @@ from course_lib.ros.mistakes import Mistake, mark, marked
 from course_lib.ros.notices import say
 from course_lib.ros.time import pace
 from course_lib.ros.time.interrupts import until_interrupted, watch
-from course_lib.ros.time.time_lock import AtEnd, never, time_lock
+from course_lib.ros.time.time_lock import AtEnd, ShutDown, never, time_lock
 from course_lib.ros.tracebacks import describe_interruption, explain_interrupts, line_of_traceback
 from rclpy.context import Context, get_default_context
-from rclpy.exceptions import INVALID_CONTEXT, NotInitializedException, RCLError
-from rclpy.exceptions import ConditionReachedException as ConditionReachedException
-from rclpy.exceptions import ExternalShutdownException as ExternalShutdownException
-from rclpy.exceptions import ShutdownException as ShutdownException
-from rclpy.exceptions import TimeoutException as TimeoutException
+from rclpy.exceptions import NotInitializedException
 from rclpy.impl import private_names
+from rclpy.impl.implementation_singleton import INVALID_CONTEXT, RCLError
 from rclpy.impl.node_handle import Entity, HandledNode, NodeHandle, Turn
 from rclpy.task import Future, Task, TaskRunner
 from rclpy.task import await_or_execute as await_or_execute
@@ -48,6 +45,22 @@ _NESTED_SPIN = (
     "Use future.add_done_callback(f), or write async def and await future."
 )
 _ONE_THREAD = "MultiThreadedExecutor is used with a single thread.\nUse the SingleThreadedExecutor instead."
+
+
+class TimeoutException(Exception):  # noqa: N818 - the name is ROS's
+    """No callback became ready before the timeout."""
+
+
+class ExternalShutdownException(ShutDown):
+    """The context was shut down while an executor waited."""
+
+
+class ShutdownException(Exception):  # noqa: N818 - the name is ROS's
+    """An executor was shut down while it was waiting."""
+
+
+class ConditionReachedException(Exception):  # noqa: N818 - the name is ROS's
+    """The awaited condition became true before a callback was ready."""
 
 
 class CallbackTask(Task):

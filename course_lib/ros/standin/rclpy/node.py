@@ -35,9 +35,7 @@ from rclpy.exceptions import (
     ParameterImmutableException,
     ParameterNotDeclaredException,
     ParameterUninitializedException,
-    RCLError,
 )
-from rclpy.exceptions import NodeNameNonExistentError as NodeNameNonExistentError
 from rclpy.executors import Executor
 from rclpy.impl import names, private_names
 from rclpy.impl.arguments import merge_arguments, parse
@@ -53,6 +51,8 @@ from rclpy.impl.graph_queries import (
     sorted_types,
     to_qos,
 )
+from rclpy.impl.implementation_singleton import NodeNameNonExistentError as NodeNameNonExistentError
+from rclpy.impl.implementation_singleton import RCLError
 from rclpy.impl.node_handle import GuardCondition, NodeHandle, NodesById, enter_graph, require_bool
 from rclpy.impl.parameter_store import On, ParameterStore, Post, Pre
 from rclpy.impl.rcutils_logger import RcutilsLogger, Rosout

@@ -18,7 +18,9 @@ from rclpy.subscription import Subscription
 from rclpy.task import Future
 
 if TYPE_CHECKING:
+    from rclpy.event_handler import SubscriptionEventCallbacks
     from rclpy.node import Node
+    from rclpy.qos_overriding_options import QoSOverridingOptions
 
 # The order in which rclpy creates the clients.
 ORDER = (
@@ -127,11 +129,22 @@ class AsyncParameterClient:
         self,
         callback: Callable[[ParameterEvent], object],
         qos_profile: QoSProfile = qos_profile_parameter_events,
-        **options: Any,
+        *,
+        callback_group: CallbackGroup | None = None,
+        event_callbacks: SubscriptionEventCallbacks | None = None,
+        qos_overriding_options: QoSOverridingOptions | None = None,
+        raw: bool = False,
     ) -> Subscription[ParameterEvent]:
         """Subscribe to parameter events of all nodes."""
         return self.node.create_subscription(
-            ParameterEvent, "/parameter_events", callback, qos_profile, **options
+            ParameterEvent,
+            "/parameter_events",
+            callback,
+            qos_profile,
+            callback_group=callback_group,
+            event_callbacks=event_callbacks,
+            qos_overriding_options=qos_overriding_options,
+            raw=raw,
         )
 
     def __call(self, service: str, callback: OnDone | None, **request: Any) -> Future[Any]:

@@ -3,8 +3,8 @@
 from course_lib.ros.messages import serialize
 from course_lib.ros.time.time_lock import time_lock
 from rclpy.duration import Duration
-from rclpy.exceptions import RCLError
 from rclpy.impl.endpoint import MsgT, TopicEnd
+from rclpy.impl.implementation_singleton import RCLError
 
 
 class Publisher(TopicEnd[MsgT]):

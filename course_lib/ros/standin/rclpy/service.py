@@ -13,9 +13,9 @@ from course_lib.ros.messages import RosMessage, deserialize, serialize, type_nam
 from course_lib.ros.mistakes import Mistake, mark, marked
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock
-from rclpy.exceptions import RCLError
 from rclpy.impl.endpoint import Endpoint, claim_service
 from rclpy.impl.graph_queries import to_qos
+from rclpy.impl.implementation_singleton import RCLError
 from rclpy.impl.node_handle import Entity, NodeHandle
 from rclpy.qos import QoSProfile
 from rclpy.service_introspection import ServiceEvents, ServiceIntrospectionState

@@ -11,7 +11,8 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock, ClockChange, ClockType, JumpHandle, JumpThreshold, TimeJump
 from rclpy.context import Context
 from rclpy.duration import Duration
-from rclpy.exceptions import INVALID_CONTEXT, InvalidHandle, RCLError, ROSInterruptException
+from rclpy.exceptions import InvalidHandle, ROSInterruptException
+from rclpy.impl.implementation_singleton import INVALID_CONTEXT, RCLError
 from rclpy.impl.node_handle import Entity, NodeHandle, require_bool
 
 # rcl stores periods as signed 64-bit nanoseconds.

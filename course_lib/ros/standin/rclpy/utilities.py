@@ -16,6 +16,16 @@ def ok(*, context: Context | None = None) -> bool:
     return (get_default_context() if context is None else context).ok()
 
 
+def shutdown(*, context: Context | None = None) -> None:
+    """Shut a context down."""
+    (get_default_context(shutting_down=True) if context is None else context).shutdown()
+
+
+def try_shutdown(*, context: Context | None = None) -> None:
+    """Shut a context down if it is valid."""
+    (get_default_context(shutting_down=True) if context is None else context).try_shutdown()
+
+
 def get_rmw_implementation_identifier() -> str:
     """Return the name of the middleware, which is the kit's own."""
     return RMW

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from rclpy.exceptions import INVALID_CONTEXT, RCLError
 from rclpy.executors import wait_until
+from rclpy.impl.implementation_singleton import INVALID_CONTEXT, RCLError
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 

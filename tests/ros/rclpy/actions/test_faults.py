@@ -9,7 +9,7 @@ from action_msgs.msg import GoalStatus
 from example_interfaces.action import Fibonacci
 from rclpy.action import ActionClient, ActionServer
 from rclpy.action.server import ServerGoalHandle
-from rclpy.exceptions import RCLError
+from rclpy.impl.implementation_singleton import RCLError
 from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import Trigger

@@ -111,7 +111,7 @@ NODES = [
     ),
     (
         "node.create_timer(-0.1, lambda: None)",
-        "rclpy.exceptions.RCLError: failed to create timer: timer period must be non-negative",
+        "rclpy._rclpy_pybind11.RCLError: failed to create timer: timer period must be non-negative",
         "pass the period in seconds, like 0.1 for 10 Hz.",
     ),
     (

@@ -173,7 +173,7 @@ SERVICES = [
         "rclpy.spin_once(node, timeout_sec=0.1)\n"
         "rclpy.spin_once(node, timeout_sec=0.1)\n"
         "rclpy.spin_once(node, timeout_sec=0.1)",
-        "rclpy.exceptions.RCLError: Failed to update goal state: goal_handle attempted invalid "
+        "rclpy._rclpy_pybind11.RCLError: Failed to update goal state: goal_handle attempted invalid "
         "transition from state SUCCEEDED with event SUCCEED",
         "a goal ends once: call only one of succeed(), abort() and canceled() for it.",
     ),

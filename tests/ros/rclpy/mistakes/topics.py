@@ -118,7 +118,7 @@ TOPICS = [
         "publisher = node.create_publisher(String, 'chatter', 10)\n"
         "node.destroy_publisher(publisher)\n"
         "publisher.publish(String())",
-        "rclpy.exceptions.InvalidHandle: cannot use Destroyable because destruction was requested",
+        "rclpy._rclpy_pybind11.InvalidHandle: cannot use Destroyable because destruction was requested",
         "the object has already been destroyed: create a new one, or destroy it later.",
     ),
     (
@@ -150,7 +150,7 @@ TOPICS = [
     ),
     (
         "node.create_publisher(String, 'chatter', 1)\nnode.create_subscription(Int32, 'chatter', print, 1)",
-        "rclpy.exceptions.RCLError: Failed to create subscription: invalid allocator",
+        "rclpy._rclpy_pybind11.RCLError: Failed to create subscription: invalid allocator",
         "the program already uses this name with another type. One topic or service has one type: "
         "`%ros2 topic info /a_topic` and `%ros2 service type /a_service` show it.",
     ),

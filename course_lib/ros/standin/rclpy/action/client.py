@@ -18,9 +18,9 @@ from course_lib.ros.time.time_lock import time_lock
 from course_lib.ros.tracebacks import explain_interrupts
 from rclpy.callback_groups import CallbackGroup
 from rclpy.client import Client, wait_for_partner
-from rclpy.exceptions import RCLError
 from rclpy.impl.endpoint import require_type
 from rclpy.impl.graph_queries import NamesAndTypes, actions
+from rclpy.impl.implementation_singleton import RCLError
 from rclpy.impl.names import require_action_name
 from rclpy.impl.node_handle import require_node
 from rclpy.qos import QoSProfile, qos_profile_action_status_default, qos_profile_services_default

@@ -13,8 +13,8 @@ from unique_identifier_msgs.msg import UUID
 from course_lib.ros.mistakes import Mistake, marked
 from rclpy.callback_groups import CallbackGroup
 from rclpy.duration import S_TO_NS
-from rclpy.exceptions import RCLError
 from rclpy.impl.endpoint import require_type
+from rclpy.impl.implementation_singleton import RCLError
 from rclpy.impl.names import require_action_name
 from rclpy.impl.node_handle import require_node
 from rclpy.qos import QoSProfile, qos_profile_action_status_default, qos_profile_services_default
@@ -96,7 +96,7 @@ class ServerGoalHandle:
 
         Another type raises a TypeError without a message, as in rclpy.
         """
-        self._action_server.publish_feedback(self, feedback)
+        self._action_server._course_publish_feedback(self, feedback)
 
     def succeed(self) -> None:
         """Set the final state SUCCEEDED: the goal was reached."""
@@ -284,7 +284,7 @@ class ActionServer:
         """The class of the action."""
         return self._action_type
 
-    def publish_feedback(self, goal: ServerGoalHandle, feedback: Any) -> None:
+    def _course_publish_feedback(self, goal: ServerGoalHandle, feedback: Any) -> None:
         """Publish feedback for a goal that has not been destroyed."""
         if not isinstance(feedback, self.action_type.Feedback):
             raise marked(TypeError(), Mistake.FEEDBACK)

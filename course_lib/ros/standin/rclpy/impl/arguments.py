@@ -5,8 +5,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from rclpy.exceptions import NameValidationException, RCLInvalidROSArgsError, UnknownROSArgsError
+from rclpy.exceptions import NameValidationException
 from rclpy.impl import names
+from rclpy.impl.implementation_singleton import RCLInvalidROSArgsError, UnknownROSArgsError
 from rclpy.impl.logging_severity import LoggingSeverity
 from rclpy.parameter import Parameter
 

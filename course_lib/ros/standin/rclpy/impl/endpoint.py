@@ -8,7 +8,8 @@ from course_lib.ros.graph.topics import EndpointInfo, dds_type
 from course_lib.ros.messages import RosMessage
 from course_lib.ros.mistakes import Mistake, marked
 from rclpy.event_handler import Deadline, Events, RmwPolicyKind
-from rclpy.exceptions import InvalidHandle, RCLError
+from rclpy.exceptions import InvalidHandle
+from rclpy.impl.implementation_singleton import RCLError
 from rclpy.impl.node_handle import NodeHandle
 from rclpy.qos import QoSPolicyKind, QoSProfile
 

@@ -7,8 +7,9 @@ from typing import Any, Literal
 from course_lib.ros.graph.graph import EndpointInfo, NodeInfo
 from course_lib.ros.graph.topics import Qos
 from rclpy.duration import Duration, Infinite
-from rclpy.exceptions import NameValidationException, NodeNameNonExistentError, RCLError
+from rclpy.exceptions import NameValidationException
 from rclpy.impl import names
+from rclpy.impl.implementation_singleton import NodeNameNonExistentError, RCLError
 from rclpy.impl.node_handle import NodeHandle
 from rclpy.qos import (
     POLICIES,

@@ -12,8 +12,8 @@ from rclpy.exceptions import (
     InvalidServiceNameException,
     InvalidTopicNameException,
     NameValidationException,
-    RCLError,
 )
+from rclpy.impl.implementation_singleton import RCLError
 
 HIDDEN_TOPIC_PREFIX = "_"
 TOPIC_SEPARATOR_STRING = "/"

@@ -12,9 +12,10 @@ from course_lib.ros.graph.graph import ProgramNodes
 from course_lib.ros.mistakes import Mistake
 from rclpy.callback_groups import CallbackGroup
 from rclpy.context import Context, get_default_context
-from rclpy.exceptions import INVALID_CONTEXT, InvalidHandle, RCLError
+from rclpy.exceptions import InvalidHandle
 from rclpy.impl import names
 from rclpy.impl.arguments import Arguments
+from rclpy.impl.implementation_singleton import INVALID_CONTEXT, RCLError
 from rclpy.task import TaskRunner, order
 
 

@@ -13,9 +13,9 @@ from course_lib.ros.hints import hint
 from course_lib.ros.notices import say
 from course_lib.ros.tracebacks import line_of_traceback
 from rclpy.callback_groups import CallbackGroup
-from rclpy.exceptions import RCLError
 from rclpy.impl import private_names
 from rclpy.impl.endpoint import MsgT
+from rclpy.impl.implementation_singleton import RCLError
 from rclpy.logging import get_logger
 from rclpy.node import Node
 from rclpy.publisher import Publisher
