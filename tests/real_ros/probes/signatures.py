@@ -13,7 +13,7 @@ from enum import Enum
 import rclpy
 from probing import main, probe
 
-PREFIXES = {
+PREFIXES: dict[object, str] = {
     inspect.Parameter.VAR_POSITIONAL: "*",
     inspect.Parameter.KEYWORD_ONLY: "keyword ",
     inspect.Parameter.VAR_KEYWORD: "**",

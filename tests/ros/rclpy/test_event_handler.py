@@ -86,7 +86,7 @@ def test_type_mismatch_on_a_topic_causes_a_warning_on_both_sides(
 
 def test_unsupported_event_is_a_type_error_as_in_python() -> None:
     with pytest.raises(TypeError, match=r"got an unexpected keyword argument 'message_lost'"):
-        PublisherEventCallbacks(message_lost=print)
+        PublisherEventCallbacks(message_lost=print)  # type: ignore[call-arg]
 
 
 def test_liveliness_callback_warns_that_it_runs_on_a_robot_only(
