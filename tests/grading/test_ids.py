@@ -139,6 +139,21 @@ def test_submission_with_a_foreign_id_is_judged_with_the_values_of_its_submitter
     assert index.count(f"<strong>{MISMATCH}</strong>") == 1
 
 
+def test_second_folder_with_the_same_id_is_listed_for_review(
+    course: Course,
+    tmp_path: Path,
+    write_notebook: WriteNotebook,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    write_notebook(tmp_path / "in/ada" / NAME, "x = 1", student="ada")
+    write_notebook(tmp_path / "in" / NAME, "x = 2", student="ADA")
+    grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if "same ID" in line]
+    assert line.startswith("Please review: same ID: 1 submission (ada week01_exercise): several folders")
+    index = (tmp_path / "out/reports/index.html").read_text()
+    assert f"<strong>same ID: ada, {NAME}</strong>" in index
+
+
 @pytest.mark.slow
 def test_withheld_mark_is_released_after_manual_marking(
     course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook

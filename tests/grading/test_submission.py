@@ -1,6 +1,7 @@
 import errno
 import json
 import os
+import re
 import zipfile
 from collections.abc import Callable
 from datetime import UTC, datetime
@@ -12,6 +13,7 @@ import pytest
 from course_lib.course.course_file import LatePolicy
 from course_lib.errors import CourseError
 from course_lib.grading.records import RECEIPT_TIME, ReceiptTime
+from course_lib.grading.submissions.collect import collect
 from course_lib.grading.submissions.notebook import parse_notebook
 from course_lib.grading.submissions.submission import find_submissions, skipped_files
 from course_lib.grading.submissions.submit import submit
@@ -157,6 +159,38 @@ def test_skipped_symlinks_and_pipes_are_listed(tmp_path: Path, write_notebook: W
         "skipped: ada/week02_exercise.ipynb: it is a pipe or a device, not a file",
         "skipped: bob/week01_exercise.ipynb: it is a link, not a file",
     ]
+
+
+def test_folder_without_a_notebook_is_listed(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+    write_notebook(tmp_path / "ada/week01_exercise.ipynb", "x = 1")
+    (tmp_path / "bob/late").mkdir(parents=True)
+    (tmp_path / "bob/late/week01_exercise.7z").write_bytes(b"7z\xbc\xaf\x27\x1c")
+    (tmp_path / "empty").mkdir()
+    assert skipped_files(tmp_path) == [
+        "skipped: bob: no notebook, and no zip of `course submit`, among week01_exercise.7z"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("data", "kind"),
+    [
+        (b"Rar!\x1a\x07\x01\x00", "it is a RAR archive"),
+        (b"7z\xbc\xaf\x27\x1c", "it is a 7z archive"),
+        (b'{"cells": []}', "it looks like a notebook"),
+        (b"<!DOCTYPE html>", "it looks like a web page"),
+        (b"PK\x03\x04 cut off", "it is damaged or incomplete (File is not a zip file)"),
+        (b"", "it is empty"),
+        (b"hello", "File is not a zip file"),
+    ],
+)
+def test_file_with_the_name_of_a_zip_file_is_described(data: bytes, kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "ada/week01_exercise.zip"
+    path.parent.mkdir()
+    path.write_bytes(data)
+    (submission,) = find_submissions(tmp_path)
+    assert f"(it is not a readable zip file: {kind})" in submission.problem
+    with pytest.raises(CourseError, match=re.escape(f"it is not a readable zip file: {kind}")):
+        collect(path, tmp_path / "out", zone=ZoneInfo("UTC"))
 
 
 def test_symlinks_are_rejected_submissions_of_their_students(

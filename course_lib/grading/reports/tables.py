@@ -255,13 +255,15 @@ def write_gradebook(out: Path, results: Iterable[MarkedResult]) -> Path:
     return path
 
 
-SIMILAR, NOT_COMPARED = "similar code", "code not compared"
+SAME_ID, SIMILAR, NOT_COMPARED = "same ID", "similar code", "code not compared"
 ADVICE = {
     MISMATCH: "marked, but not exported until you have reviewed them. Wrong folder: move the file and grade "
     "again. Otherwise accept it by a mark: course mark OUT STUDENT EXERCISE TASK POINTS. "
     "Folders that are not named after IDs: course collect with --roster",
     NO_ID: "the files have no ID; judged for the student who submitted, or for a guest without a roster",
     UNVERIFIED: "only the files identify their students; collect with --roster to verify the IDs",
+    SAME_ID: "several folders or files have the ID of one student; one counts. Upper and lower case do "
+    "not distinguish IDs. If one of them belongs to another student, rename it and grade again",
     SIMILAR: "compare side by side in",
     NOT_COMPARED: "too long, or built at run time; read it. The reasons are in",
 }
@@ -290,8 +292,11 @@ class Concern:
 
 def flags(result: MarkedResult, similar_code: Mapping[tuple[str, str], SimilarSubmission]) -> list[Flag]:
     """Return the reasons to review one result."""
-    word = result.result.submission.id_flag
-    raised = [Flag(word, word)] if word else []
+    submission = result.result.submission
+    raised = [Flag(submission.id_flag, submission.id_flag)] if submission.id_flag else []
+    # Without a folder, all of them are attempts of the student whose ID they contain.
+    if any(not name.lower().endswith((".ipynb", ".zip")) for name in submission.rivals):
+        raised.append(Flag(SAME_ID, f"{SAME_ID}: {join_few(submission.rivals)}"))
     if similar := similar_code.get((result.student, result.exercise)):
         if similar.others:
             raised.append(Flag(SIMILAR, f"{SIMILAR}: {join_few(similar.others)}", similar.link))

@@ -17,6 +17,7 @@ from course_lib.errors import CourseError
 from course_lib.grading.submissions.notebook import (
     MAX_BYTES,
     MAX_WITH_OUTPUTS,
+    format_of,
     is_notebook_name,
     without_outputs,
 )
@@ -63,11 +64,17 @@ def open_zip(data: bytes) -> Iterator[zipfile.ZipFile]:
 
 
 def _archive(file: Path | BytesIO) -> zipfile.ZipFile:
+    start = b""
     try:
+        with file.open("rb") if isinstance(file, Path) else BytesIO(file.getbuffer()[:100]) as stream:
+            start = stream.read(100)
         return zipfile.ZipFile(file)
     except Exception as error:
         # A damaged archive can raise many kinds of exceptions.
-        raise CourseError(f"it is not a readable zip file: {error}") from error
+        problem = "it looks like a notebook" if start.lstrip().startswith(b"{") else format_of(start)
+        if start.startswith(b"PK"):
+            problem = f"it is damaged or incomplete ({error})"
+        raise CourseError(f"it is not a readable zip file: {problem or error}") from error
 
 
 def read_member(archive: zipfile.ZipFile, member: zipfile.ZipInfo | str, max_bytes: int) -> bytes:

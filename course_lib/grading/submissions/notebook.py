@@ -62,6 +62,13 @@ class Notebook:
     digest: str = ""
 
 
+def format_of(data: bytes) -> str:
+    """Return what a file of another format looks like, such as "it is a PDF", or ""."""
+    start = data.lstrip()[:4].lower()
+    kinds = (text for first, text in LOOKS_LIKE.items() if start.startswith(first))
+    return next(kinds, "" if start else "it is empty")
+
+
 def parse_notebook(data: bytes, name: str) -> Notebook:
     """Parse a notebook's bytes, which may be invalid in any way; `name` is the file's name.
 
@@ -80,14 +87,12 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
     try:
         content = read_json(data)  # in UTF-8, 16 or 32
     except ValueError as error:
-        start = data.lstrip()[:4].lower()
-        kinds = [text for first, text in LOOKS_LIKE.items() if start.startswith(first)]
-        # A conflict marker in the first line begins with "<", like a web page.
+        problem, advice = format_of(data) or "it is not JSON", SAVE_AGAIN
+        # A conflict marker in the first line begins with "<", like a web page. JupyterLab cannot
+        # open a file with conflict markers.
         if CONFLICT.search(data):
-            kinds.insert(0, "git's markers of a merge conflict are in it")
-        problem = kinds[0] if kinds else "it is not JSON" if start else "it is empty"
-        # JupyterLab cannot open a file with conflict markers.
-        advice = f"Choose one version: git checkout --ours {name}" if CONFLICT.search(data) else SAVE_AGAIN
+            problem = "git's markers of a merge conflict are in it"
+            advice = f"Choose one version: git checkout --ours {name}"
         raise CourseError(f"{name} is not a notebook: {problem}. {advice}.") from error
     content = _dict(content)
     # Format 3 stores the cells in worksheets.

@@ -281,8 +281,16 @@ def find_submissions(
 
 
 def skipped_files(top: Path) -> list[str]:
-    """Return a line for each file that is skipped because it is a link or a device."""
-    return [f"skipped: {path.relative_to(top).as_posix()}: {why}" for path, why in _links_and_devices(top)]
+    """Return a line for each link or device, and for each student's folder without a submission."""
+    lines = [f"skipped: {path.relative_to(top).as_posix()}: {why}" for path, why in _links_and_devices(top)]
+    owners = {path.relative_to(top).parts[0] for path in _files(top)}
+    for folder in sorted(path for path in top.iterdir() if path.is_dir() and not path.is_symlink()):
+        names = sorted(path.name for path in folder.rglob("*") if path.is_file() and not path.is_symlink())
+        if folder.name not in owners and not folder.name.startswith(".") and names:
+            lines.append(
+                f"skipped: {folder.name}: no notebook, and no zip of `course submit`, among {join_few(names)}"
+            )
+    return lines
 
 
 def unfinished_lines(top: Path) -> list[str]:
