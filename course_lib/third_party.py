@@ -7,11 +7,13 @@ import ast
 import errno
 import json
 import os
+import re
 import stat
 import symtable
 from bisect import bisect_left
 from pathlib import Path
 from typing import Any
+from xml.parsers.expat import errors
 
 TOO_DEEP = "it is nested too deeply for Python: split the expression"
 # Python's limit is 1,000 calls. A visitor makes two to four calls per level, from within other
@@ -96,6 +98,66 @@ def read_json(text: str | bytes) -> Any:
         return json.loads(text)
     except RecursionError as error:
         raise ValueError("it is nested too deeply") from error
+
+
+def explain_xml_error(text: str, code_number: int, number: int, column: int) -> str:
+    """Return what to change in a text that is not XML, or "" for an unusual error.
+
+    The parser names the tag and the line at which it gave up, which is often not the wrong one.
+
+    Args:
+        text: The text.
+        code_number: expat's code of the error.
+        number: The line of the error, from 1.
+        column: The column of the error, from 0.
+    """
+    lines = text.splitlines()
+    line = lines[number - 1].strip() if 0 < number <= len(lines) else ""
+    code = errors.messages[code_number]
+    if "<" not in text:
+        return "It has no tags: is it a path? Pass the text of the file, open(path).read()."
+    if code == errors.XML_ERROR_UNBOUND_PREFIX:
+        prefix = match[1] if (match := re.search(r"<(\w+):", line)) else "xacro"
+        url = "http://www.ros.org/wiki/xacro" if prefix == "xacro" else "…"
+        return f'Line {number} uses {prefix}: without xmlns:{prefix}="{url}" in the first tag.'
+    if code == errors.XML_ERROR_MISPLACED_XML_PI:
+        return f"Nothing may be above <?xml …?>, not even an empty line: delete it, up to line {number}."
+    if code == errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT:
+        return f"A file has one outermost tag, and line {number} is behind its end: {line:.60}"
+    if code == errors.XML_ERROR_DUPLICATE_ATTRIBUTE:
+        return f"A tag of line {number} has an attribute twice: {line:.80}"
+    if code in (errors.XML_ERROR_TAG_MISMATCH, errors.XML_ERROR_NO_ELEMENTS):
+        end = sum(len(one) + 1 for one in lines[: number - 1]) + column
+        opened = _open_tags(text[:end])
+        if not opened:
+            return ""
+        name, start = opened[-1]
+        closing = re.match(r"[\w:.-]*", text[end:])
+        where = f"where </{closing[0]}> comes" if closing and closing[0] else "at the end of the file"
+        return f"<{name}> of line {start} is still open {where}: end it with /> or </{name}>."
+    if code == errors.XML_ERROR_INVALID_TOKEN:
+        if "--" in re.sub(r"<!--|-->", "", line) and "<!--" in line:
+            return f"A comment cannot contain --, as in line {number}: {line:.80}"
+        if re.search(r"&(?!#?\w+;)", line):
+            return f"Write &amp; for & in line {number}: {line:.80}"
+        if re.search(r"\w=[^\s\"'=]", line):
+            return f"The value of an attribute is in quotes. See line {number}: {line:.80}"
+        return f"Is a quote or a > missing in line {number}, or above? {line:.80}"
+    return ""
+
+
+def _open_tags(text: str) -> list[tuple[str, int]]:
+    """Return the names and lines of tags that are not closed, the outermost first."""
+    opened: list[tuple[str, int]] = []
+    # Comments keep their lines.
+    text = re.sub(r"<!--.*?-->", lambda found: "\n" * found[0].count("\n"), text, flags=re.S)
+    for tag in re.finditer(r"<(/?)([A-Za-z_][\w:.-]*)((?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>", text):
+        if tag[1]:
+            # The parser has stopped at the first end that does not fit.
+            opened = opened[:-1]
+        elif not tag[3].endswith("/"):
+            opened.append((tag[2], text.count("\n", 0, tag.start()) + 1))
+    return opened
 
 
 def compile_python(source: str | bytes, file: str = "<unknown>", flags: int = 0) -> Any:

@@ -19,7 +19,16 @@ from course_lib.displays.shapes import ALONG_X, axes, draw_arrows, placement, ro
 from course_lib.errors import CourseError
 from course_lib.robots.kinematics import link_poses
 from course_lib.robots.robot import Robot, cache_package_searches, import_pinocchio, is_installed, resolve
-from course_lib.robots.urdf import UNMOVED, Geometry, Inertial, Joint, Link, links_of, parse_urdf
+from course_lib.robots.urdf import (
+    UNMOVED,
+    Geometry,
+    Inertial,
+    Joint,
+    Link,
+    find_slips,
+    links_of,
+    parse_urdf,
+)
 from course_lib.ros.graph.topics import Qos
 from course_lib.third_party import read_text
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, MeshFileError, Solids, load_mesh
@@ -636,7 +645,8 @@ class RobotModelDisplay(TopicDisplay):
         self._joints = joints
         self._arrange()
         self.statuses.hint("Links", *wrong)
-        self.statuses.hint("URDF", *(problem for link in links for problem in link.problems))
+        problems = [problem for link in links for problem in link.problems]
+        self.statuses.hint("URDF", *problems, *find_slips(self._urdf))
         self._report_problems()
 
     def _problems(self) -> str:

@@ -19,7 +19,9 @@ from tf2_msgs.msg import TFMessage
 from course_lib.errors import CourseError
 from course_lib.robots.kinematics import joint_poses
 from course_lib.robots.trajectory import period_of
-from course_lib.robots.urdf import MOVING, Joint, Mimic, parse_urdf
+from course_lib.robots.urdf import MANY_RADIANS, MOVING, Joint, Mimic, parse_urdf
+from course_lib.ros.near_names import nearest
+from course_lib.ros.notices import say
 from course_lib.ros.time import pace
 
 if TYPE_CHECKING:
@@ -28,6 +30,8 @@ if TYPE_CHECKING:
 _KINDS = ("position", "velocity", "effort")
 # In characters. The end of a longer name of a slider is cut off.
 LONGEST_NAME = 26
+# The number of hints that a node prints about joint states.
+_MOST_HINTS = 5
 _DEPENDENT = ("parent", "factor", "offset")
 _DEFAULTS: dict[str, Any] = {
     "publish_default_efforts": False,
@@ -324,6 +328,12 @@ class RobotStatePublisher(Node):
         ignore_timestamp: bool = False,
         **options: Unpack[NodeOptions],
     ) -> None:
+        if not isinstance(robot_description, str):
+            kind = type(robot_description).__name__
+            raise CourseError(
+                f"robot_description is of type {kind}; expected the text of a URDF, like "
+                'load_robot("ur10").urdf or open("arm.urdf").read().'
+            )
         super().__init__("robot_state_publisher", **options)
         self.declare_parameter("robot_description", robot_description)
         self.declare_parameter("publish_frequency", float(publish_frequency))
@@ -331,6 +341,8 @@ class RobotStatePublisher(Node):
         self.declare_parameter("ignore_timestamp", ignore_timestamp)
         # Stamp of the last published transform by joint.
         self._published_ns: dict[str, int] = {}
+        # Hints that were printed, each once.
+        self._hints = set[str]()
         self._heard_ns = 0
         self._tf = self.create_publisher(TFMessage, "/tf", 100)
         self._tf_static = self.create_publisher(TFMessage, "/tf_static", _LATCHED)
@@ -398,9 +410,34 @@ class RobotStatePublisher(Node):
                 if mimic.joint in positions:
                     positions.setdefault(name, positions[mimic.joint] * mimic.factor + mimic.offset)
             joints = self._tree.joints
+            self._report_slips(state)
             moving = {n: p for n, p in positions.items() if n in joints and joints[n].kind in MOVING}
             self._tf.publish(self._transforms(moving, state.header.stamp))
             self._published_ns |= dict.fromkeys(state.name, Time.from_msg(state.header.stamp).nanoseconds)
+
+        else:
+            self._report_slips(state)
+
+    def _report_slips(self, state: JointState) -> None:
+        """Print hints about a joint state of which ROS's node says nothing, each once."""
+        joints, hints = self._tree.joints, list[str]()
+        if state.header.stamp.sec == state.header.stamp.nanosec == 0 and not self._value("ignore_timestamp"):
+            hints.append("has no stamp, and is ignored: set header.stamp to self.get_clock().now().to_msg().")
+        for name, position in zip(state.name, state.position, strict=True):
+            joint = joints.get(name)
+            if joint is not None and joint.kind == "revolute" and abs(position) > MANY_RADIANS:
+                hints.append(f"moves {name} to {position:g}: positions are in radians, 90° is 1.5708.")
+            elif joint is None:
+                of_link = next((one.name for one in joints.values() if one.child == name), "")
+                others = [one.name for one in joints.values() if one.kind in MOVING]
+                if of_link:
+                    hints.append(f"names {name}, which is a link: its joint is {of_link}.")
+                elif near := nearest(name, set(others) - set(state.name), 0.8):
+                    hints.append(f"names {name}, which the robot does not have: did you mean {near}?")
+        for hint in hints:
+            if hint not in self._hints and len(self._hints) < _MOST_HINTS:
+                self._hints.add(hint)
+                say(f"hint: a message on /joint_states {hint}")
 
     def _is_due(self, state: JointState) -> bool:
         now_ns = self.get_clock().now().nanoseconds

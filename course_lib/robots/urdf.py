@@ -8,9 +8,10 @@ import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 from functools import lru_cache
 from itertools import chain
-from math import isfinite
+from math import isfinite, pi, radians
 from typing import Literal
 
 import numpy as np
@@ -18,7 +19,8 @@ from transforms3d.euler import euler2mat
 from transforms3d.quaternions import quat2mat
 
 from course_lib.arrays import Matrix
-from course_lib.errors import CourseError, format_count
+from course_lib.errors import CourseError, did_you_mean, format_count, join_words
+from course_lib.third_party import explain_xml_error
 
 _KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 # Types of joints without an axis.
@@ -230,6 +232,69 @@ class Link:
 
 class _MalformedError(Exception):
     """A malformed element of a link, which is ignored. The message is the same as in urdfdom."""
+
+
+# The tags in each tag, for those that students write by hand.
+_CHILDREN = {
+    "robot": {"link", "joint", "material", "transmission", "gazebo", "sensor", "ros2_control"},
+    "link": {"visual", "collision", "inertial", "sensor", "gazebo", "contact"},
+    "visual": {"origin", "geometry", "material"},
+    "collision": {"origin", "geometry"},
+    "inertial": {"origin", "mass", "inertia"},
+    "joint": {"origin", "parent", "child", "axis", "dynamics", *(tag.name for tag in _TAGS)},
+    "material": {"color", "texture"},
+}
+_OF_ORIGIN = {"xyz", "rpy", "quat_xyzw"}
+# More than this is rather in degrees: two turns [rad].
+MANY_RADIANS = 4 * pi
+
+
+def find_slips(text: str) -> Iterator[str]:
+    """Yield hints about parts of a valid URDF that urdfdom ignores or that are rather in degrees."""
+    robot = _root(text)
+    for element in robot.iter():
+        names = _CHILDREN.get(element.tag, set())
+        for child in element if names else ():
+            near = [] if child.tag in names else get_close_matches(child.tag.lower(), names, 1, 0.75)
+            if near:
+                owner = element.get("name") or element.tag
+                yield f"{owner}: <{child.tag}> is ignored. Did you mean <{near[0]}>?"
+        for origin in element.findall("origin"):
+            yield from (f"{_owner_of(element)}: {hint}" for hint in _slips_of_origin(origin))
+    named = {e.get("name") for e in robot.iter("material") if len(e)}
+    for link in robot.findall("link"):
+        for material in link.findall("visual/material"):
+            if material.get("name") not in named and not len(material):
+                name = material.get("name", "")
+                yield (
+                    f"{link.get('name')}: no material {name!r} has a color, so this link is red. "
+                    f'Write <material name="{name}"><color rgba="0 0 1 1"/></material>.'
+                )
+        if (mass := link.find("inertial/mass")) is not None and "value" not in mass.attrib:
+            yield f'{link.get("name")}: the mass is 0: write <mass value="{(mass.text or "1.0").strip()}"/>.'
+    for joint in robot.findall("joint"):
+        limit = joint.find("limit")
+        lower, upper = (float(limit.get(end, 0)) if limit is not None else 0.0 for end in ("lower", "upper"))
+        if joint.get("type") == "revolute" and max(abs(lower), abs(upper)) > MANY_RADIANS:
+            yield f"{joint.get('name')}: limits are in radians: 90° is 1.5708, and {upper:g} is in degrees?"
+        if lower > upper:
+            yield f"{joint.get('name')}: lower={lower:g} is above upper={upper:g}: swap them."
+
+
+def _owner_of(element: ET.Element) -> str:
+    return element.get("name") or f"<{element.tag}>"
+
+
+def _slips_of_origin(origin: ET.Element) -> Iterator[str]:
+    if wrong := sorted(origin.attrib.keys() - _OF_ORIGIN):
+        yield (
+            f"{join_words(wrong)} of <origin> {'are' if len(wrong) > 1 else 'is'} ignored: write "
+            'xyz="0 0 0.1" rpy="0 0 0".'
+        )
+    angles = [float(word) for word in origin.get("rpy", "").split() if is_number(word)]
+    largest = max(angles, key=abs, default=0.0)
+    if abs(largest) > MANY_RADIANS:
+        yield f"rpy is in radians: {largest:g}° is {radians(largest):.4f}."
 
 
 def links_of(text: str) -> list[Link]:
@@ -475,14 +540,82 @@ def parse_urdf(text: str) -> Urdf:
     robot = _root(text)
     reason = next(find_errors(robot), None)
     if reason:
-        raise CourseError(f"The URDF is not valid: {reason}")
+        advice = _advise(robot, reason)
+        raise CourseError(
+            f"The URDF is not valid: {reason.rstrip('.')}. {advice}"
+            if advice
+            else f"The URDF is not valid: {reason}"
+        )
     joints = {joint.name: joint for joint in map(_joint, robot.findall("joint"))}
     children = {joint.child for joint in joints.values()}
     links = [link.get("name", "") for link in robot.findall("link")]
     tree = Urdf(robot.get("name", ""), next(link for link in links if link not in children), joints)
     if len(children) != len(joints) or len(tree.joints_from_root()) != len(joints):
-        raise CourseError(NOT_A_TREE)
+        parents = Counter(joint.child for joint in joints.values())
+        shared = next((link for link, count in parents.items() if count > 1), "")
+        names = [joint.name for joint in joints.values() if joint.child == shared]
+        twice = f" {shared!r} is the child of {join_words(names)}." if shared else ""
+        raise CourseError(f"{NOT_A_TREE}{twice}")
     return tree
+
+
+# urdfdom's errors, and what to do next.
+_ADVICE = (
+    ("is missing a parent", 'Write <parent link="NAME"/> and <child link="NAME"/> into this joint.'),
+    (r"component \[[^]]*[,;]", "Separate the numbers with spaces, without commas."),
+    (r"component \[[^]]*\$", "This is the text of a xacro file: load_robot expands it, or xacro FILE."),
+    (r"component \[[^]]*\{", "A property of xacro is read with a $, as in ${height}."),
+    (
+        r"component \[[^]]*(pi|[*/+(])",
+        "A URDF contains numbers and no formulas: write 1.5708 for pi/2, or a xacro file with ${pi/2}.",
+    ),
+    (r"component \[", "Write numbers with points, separated by spaces, like 0 0 0.5."),
+    (r"\d+ elements but (\d)", "Write {1} numbers, separated by spaces."),
+    (
+        "limit has no|does not specify limits|without limits",
+        'A limit looks like <limit lower="-1.57" upper="1.57" effort="10" velocity="1"/>, in rad and '
+        "rad/s, or in m and m/s for a prismatic joint. A joint without limits is continuous.",
+    ),
+    ("No name given for the robot", 'Begin with <robot name="arm">.'),
+    ("is not unique", "Give the second one another name."),
+    ("has no type", "The types are " + ", ".join(_KINDS) + "."),
+    ("No root link", "Joints form a circle: the root is a link that is the child of no joint."),
+)
+
+
+# Types of joints by the names that they have elsewhere.
+_EVERYDAY_KINDS = {
+    **dict.fromkeys(("rotational", "rotary", "rotation", "hinge", "revolve"), "revolute"),
+    **dict.fromkeys(("linear", "slider", "sliding", "translational"), "prismatic"),
+    **dict.fromkeys(("wheel", "endless"), "continuous"),
+    "rigid": "fixed",
+}
+
+
+def _advise(robot: ET.Element, reason: str) -> str:
+    """Return what to do about urdfdom's error in a robot, or ""."""
+    links = [link.get("name", "") for link in robot.findall("link")]
+    if robot.tag != "robot":
+        return f'The first tag is <{robot.tag}>, and a URDF begins with <robot name="arm">.'
+    if kind := re.search(r"no known type \[(.*)\]", reason):
+        word = kind[1].lower()
+        meant = _EVERYDAY_KINDS.get(word)
+        suggestion = f". Did you mean {meant}?" if meant else did_you_mean(word, _KINDS) or "."
+        return f"The types are {', '.join(_KINDS)}{suggestion}"
+    if end := re.search(r"(?:child|parent) link \[(.*)\] of joint", reason):
+        wrong = next((e.tag for e in robot if e.get("name") == end[1] and e.tag != "joint"), "")
+        if wrong:
+            return f"A link's tag is <link>, and {end[1]} is in a <{wrong}>."
+        return did_you_mean(end[1], links).removeprefix(". ") or f'Add <link name="{end[1]}"/>.'
+    if roots := re.search(r"Two root links found: \[(.*)\] and \[(.*)\]", reason):
+        # The root without children is the forgotten one.
+        parents = {parent_and_child(joint)[0] for joint in robot.findall("joint")}
+        loose = roots[1] if roots[1] not in parents else roots[2]
+        return f'Every link but one needs a joint: add one with <child link="{loose}"/>.'
+    for pattern, advice in _ADVICE:
+        if found := re.search(pattern, reason):
+            return advice.replace("{1}", found[1] if found.groups() else "")
+    return ""
 
 
 def _root(text: str) -> ET.Element:
@@ -490,7 +623,8 @@ def _root(text: str) -> ET.Element:
     try:
         robot = ET.fromstring(text)
     except ET.ParseError as error:
-        raise CourseError(f"The URDF is not XML: {error}. It begins with {text[:40]!r}.") from None
+        advice = explain_xml_error(text, error.code, *error.position) or f"It begins with {text[:40]!r}."
+        raise CourseError(f"The URDF is not XML: {error}. {advice}") from None
     # Version 1.0 of the format does not support quaternions.
     if robot.get("version", "1.0") == "1.0":
         for origin in robot.iter("origin"):

@@ -1,5 +1,6 @@
 from collections.abc import Callable
 from math import isnan, nan
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -155,6 +156,38 @@ def test_unknown_and_fixed_joints_are_ignored_silently(on: On, run: Run) -> None
     run(0.1, node, joints)
     assert [frames(m) for m in on("/tf")] == [[("upper", "fore")], []]
     assert [m.msg for m in on("/rosout")] == ["Robot initialized"]
+
+
+@pytest.mark.parametrize(
+    ("positions", "stamp_ns", "hint"),
+    [
+        ({"sholder": 0.1}, None, "names sholder, which the robot does not have: did you mean shoulder?"),
+        ({"upper": 0.1}, None, "names upper, which is a link: its joint is shoulder."),
+        ({"shoulder": 45.0}, None, "moves shoulder to 45: positions are in radians, 90° is 1.5708."),
+        ({"shoulder": 0.1}, 0, "has no stamp, and is ignored: set header.stamp to"),
+        ({"shoulder": 0.1, "gripper": 0.2}, None, ""),
+    ],
+)
+def test_joint_state_that_moves_nothing_has_a_hint_once(
+    positions: dict[str, float],
+    stamp_ns: int | None,
+    hint: str,
+    run: Run,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    joints, node = Joints(), RobotStatePublisher(ARM_2R)
+    for _ in range(3):
+        joints.say(positions, stamp_ns)
+        run(0.2, node)
+    found = [line for line in capsys.readouterr().out.splitlines() if line.startswith("hint:")]
+    assert len(found) == bool(hint)
+    assert not hint or hint in found[0]
+
+
+@pytest.mark.parametrize("wrong", [Path("arm.urdf"), b"<robot/>", load_robot])
+def test_description_that_is_not_a_string_is_rejected(graph: Graph, wrong: Any) -> None:
+    with pytest.raises(CourseError, match="expected the text of a URDF"):
+        RobotStatePublisher(wrong)
 
 
 def test_mimic_joints_follow_one_joint_each_unless_set_explicitly(on: On, run: Run) -> None:

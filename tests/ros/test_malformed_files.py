@@ -12,6 +12,7 @@ from course_lib import load_robot
 from course_lib.displays.layout import read_layout
 from course_lib.errors import CourseError
 from course_lib.robots.nav2 import read_map
+from course_lib.robots.urdf import find_slips, parse_urdf
 from course_lib.ros.messages.definitions import add_package
 from course_lib.ros.programs.build_files import executables_of, read_build_files
 from course_lib.viewer.drawables import load_mesh
@@ -75,6 +76,46 @@ def test_xacro_error_includes_the_line(write: Write, text: str, expected: str) -
         load_robot(write("r.xacro", text))
 
 
+MACRO = '<xacro:macro name="leg" params="name x"><link name="${name}"/></xacro:macro>'
+
+
+@pytest.mark.parametrize(
+    ("body", "advice"),
+    [
+        ('<link name="${height}"/>', 'Set it above: <xacro:property name="height" value="0.1"/>.'),
+        ('<xacro:property name="height" value="1"/><link name="${heigth}"/>', "Did you mean height?"),
+        (
+            '<xacro:property name="h"/><link name="${h}"/>',
+            'The property h has no value above this line: write value="0.1".',
+        ),
+        (f'{MACRO}<xacro:leg name="a"/>', 'The call lacks a value: add x="…" to it'),
+        (f'{MACRO}<xacro:leg name="a" x="1" y="1"/>', "The macro leg has the parameters name x."),
+        (
+            f'{MACRO.replace("name x", "name, x")}<xacro:leg name="a" x="1"/>',
+            'The names in params="name, x" are separated by spaces, without commas.',
+        ),
+        (f'{MACRO}<xacro:lag name="a" x="1"/>', "Did you mean leg?"),
+        ('<xacro:wheel name="a"/>', "Define the macro wheel above, or include its file."),
+        (f'<xacro:leg name="a" x="1"/>{MACRO}', "The macro leg is defined below this line"),
+        ('<link name="$(x)"/>', "A property is read as ${x}; $( ) is for find and arg."),
+        ('<xacro:if value="yes"><link name="a"/></xacro:if>', 'Write value="true" or "false"'),
+        (f'{MACRO.replace(" x", " *x")}<xacro:leg name="a"/>', "The macro has a *block: put one tag"),
+        ('<link name="${1 + }"/>', "In ${ } stands one Python expression"),
+        ('<xacro:include filename="whel.xacro"/>', "An included path is relative to this file"),
+        ('<link name="a">', "<link> of line 2 is still open where </robot> comes: end it"),
+    ],
+)
+def test_xacro_error_says_what_to_change(write: Write, body: str, advice: str) -> None:
+    with pytest.raises(CourseError) as error:
+        load_robot(write("r.xacro", f"{XACRO}\n{body}</robot>"))
+    assert advice in str(error.value).splitlines()[-1]
+
+
+def test_macro_call_without_prefix_is_reported(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
+    load_robot(write("r.xacro", f'{XACRO}\n<link name="a"/>{MACRO}\n<leg name="b" x="1"/></robot>'))
+    assert "r.xacro, line 3: <leg> is copied and not expanded." in capsys.readouterr().err
+
+
 def test_endless_macro_is_a_short_error(write: Write) -> None:
     macro = '<xacro:macro name="m" params="a"><xacro:m a="1"/></xacro:macro>'
     with pytest.raises(CourseError, match=r"\(r\.xacro, line 2\): error: maximum recursion") as error:
@@ -101,6 +142,103 @@ def test_endless_macro_is_a_short_error(write: Write) -> None:
 def test_urdf_file_error_includes_the_line(write: Write, body: str, expected: str) -> None:
     with pytest.raises(CourseError, match=rf"^.*/r\.urdf{expected}"):
         load_robot(write("r.urdf", f'<robot name="r">\n{body}</robot>'))
+
+
+LIMIT = '<limit effort="1" velocity="1" lower="-1" upper="1"/>'
+ARM = (
+    '<link name="base"/>\n<link name="arm"/>\n<joint name="j" type="revolute">'
+    f'<origin xyz="0 0 1"/><parent link="base"/><child link="arm"/>{LIMIT}</joint>'
+)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "advice"),
+    [
+        (
+            '<parent link="base"/>',
+            "",
+            'Write <parent link="NAME"/> and <child link="NAME"/> into this joint.',
+        ),
+        ('<parent link="base"/>', '<parent link="bas"/>', "Did you mean base?"),
+        ('<parent link="base"/>', '<parent link="x"/>', 'Add <link name="x"/>.'),
+        ('<link name="arm"/>', '<Link name="arm"/>', "A link's tag is <link>, and arm is in a <Link>."),
+        ('<link name="arm"/>', '<link name="arm"/><link name="hand"/>', 'with <child link="hand"/>.'),
+        ("0 0 1", "0, 0, 1", "Separate the numbers with spaces, without commas."),
+        ("0 0 1", "0 1", "Write 3 numbers, separated by spaces."),
+        ("0 0 1", "0 0 pi/2", "A URDF contains numbers and no formulas"),
+        ("0 0 1", "0 0 ${h}", "This is the text of a xacro file"),
+        ("0 0 1", "0 0 {h}", "A property of xacro is read with a $, as in ${height}."),
+        ("0 0 1", "0 0 x", "Write numbers with points"),
+        (LIMIT, "", 'A limit looks like <limit lower="-1.57"'),
+        ('effort="1"', "", 'A limit looks like <limit lower="-1.57"'),
+        ("revolute", "rotational", "floating, planar. Did you mean revolute?"),
+        ("revolute", "Revolute", "floating, planar. Did you mean revolute?"),
+        ('name="arm"/>', 'name="base"/>', "Give the second one another name."),
+        ('<link name="base"/>', '<link name="base">', "<link> of line 2 is still open where </robot> comes"),
+        ('xyz="0 0 1"', 'xyz="0 0 1', "Is a quote or a > missing in line 4, or above?"),
+        ('xyz="0 0 1"', "xyz=1", "The value of an attribute is in quotes. See line 4"),
+        ("<origin", "<!-- a -- b --><origin", "A comment cannot contain --, as in line 4"),
+        ("<parent", "<xacro:leg/><parent", "without xmlns:xacro="),
+        ("</joint>", "</joint></robot><a/>", "A file has one outermost tag"),
+        ('<link name="base"/>', '<?xml version="1.0"?>', "Nothing may be above <?xml …?>"),
+    ],
+)
+def test_error_of_a_urdf_says_what_to_change(old: str, new: str, advice: str) -> None:
+    with pytest.raises(CourseError) as error:
+        parse_urdf(f'<robot name="r">\n{ARM.replace(old, new)}</robot>')
+    assert advice in str(error.value)
+
+
+def test_snippets_of_advice_make_the_urdf_valid() -> None:
+    for old in (LIMIT, '<parent link="base"/>'):
+        with pytest.raises(CourseError) as error:
+            parse_urdf(f'<robot name="r">{ARM.replace(old, "")}</robot>')
+        tag = next(tag for tag in re.findall(r"<[^<>]+/>", str(error.value)))
+        parse_urdf(f'<robot name="r">{ARM.replace(old, tag.replace("NAME", "base"))}</robot>')
+
+
+def test_path_in_place_of_the_text_of_a_urdf_is_recognized() -> None:
+    with pytest.raises(
+        CourseError, match=r"is it a path\? Pass the text of the file, open\(path\)\.read\(\)"
+    ):
+        parse_urdf("arm.urdf")
+
+
+def test_link_with_two_parents_is_named() -> None:
+    second = '<joint name="k" type="fixed"><parent link="base"/><child link="arm"/></joint>'
+    with pytest.raises(CourseError, match="'arm' is the child of j and k"):
+        parse_urdf(f'<robot name="r">{ARM}{second}</robot>')
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "hint"),
+    [
+        ("<origin", "<orgin", "j: <orgin> is ignored. Did you mean <origin>?"),
+        (
+            'xyz="0 0 1"',
+            'x="0" z="1"',
+            'j: x and z of <origin> are ignored: write xyz="0 0 0.1" rpy="0 0 0".',
+        ),
+        ('xyz="0 0 1"', 'rpy="0 0 90"', "j: rpy is in radians: 90° is 1.5708."),
+        ('upper="1"', 'upper="90"', "j: limits are in radians: 90° is 1.5708, and 90 is in degrees?"),
+        ('upper="1"', 'upper="-2"', "j: lower=-1 is above upper=-2: swap them."),
+        (
+            'name="arm"/>',
+            'name="arm"><inertial><mass>2.5</mass></inertial></link>',
+            'arm: the mass is 0: write <mass value="2.5"/>.',
+        ),
+        (
+            'name="arm"/>',
+            'name="arm"><visual><material name="blue"/></visual></link>',
+            "arm: no material 'blue' has a color, so this link is red.",
+        ),
+    ],
+)
+def test_part_of_a_urdf_that_urdfdom_ignores_has_a_hint(old: str, new: str, hint: str) -> None:
+    text = f'<robot name="r">{ARM.replace(old, new)}</robot>'
+    parse_urdf(text)
+    assert [one for one in find_slips(text) if hint in one]
+    assert not list(find_slips(f'<robot name="r">{ARM}</robot>'))
 
 
 @pytest.mark.parametrize(
