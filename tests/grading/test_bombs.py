@@ -132,7 +132,7 @@ def test_archive_member_with_an_unusual_name_does_not_affect_other_members(tmp_p
 def test_zip_with_undecodable_names_is_rejected(tmp_path: Path) -> None:
     data = zipped({"ada/ü.ipynb": notebook()}).replace("ü".encode(), b"\xd9\xff")
     (tmp_path / "in.zip").write_bytes(data)
-    with pytest.raises(CourseError, match="neither a folder nor a zip file: 'utf-8' codec can't decode"):
+    with pytest.raises(CourseError, match="damaged or incomplete \\('utf-8' codec can't decode"):
         collect(tmp_path / "in.zip", tmp_path / "out", UTC)
 
 

@@ -328,8 +328,8 @@ def test_symlinks_and_pipes_in_a_folder_are_rejected(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        ("none", "is neither a folder nor a zip file"),
-        ("text", "is neither a folder nor a zip file"),
+        ("none", "it is not a readable zip file: there is no such file"),
+        ("text", "it is not a readable zip file: "),
         ("empty", "contains no files"),
         ("inside", "is inside"),
     ],

@@ -15,6 +15,7 @@ from pathlib import Path, PurePosixPath
 
 from course_lib.errors import CourseError
 from course_lib.grading.submissions.notebook import (
+    LOOKS_LIKE,
     MAX_BYTES,
     MAX_WITH_OUTPUTS,
     format_of,
@@ -64,15 +65,17 @@ def open_zip(data: bytes) -> Iterator[zipfile.ZipFile]:
 
 
 def _archive(file: Path | BytesIO) -> zipfile.ZipFile:
-    start = b""
+    problem = ""
     try:
         with file.open("rb") if isinstance(file, Path) else BytesIO(file.getbuffer()[:100]) as stream:
             start = stream.read(100)
+        problem = "it looks like a notebook" if start.lstrip().startswith(b"{") else format_of(start)
         return zipfile.ZipFile(file)
     except Exception as error:
         # A damaged archive can raise many kinds of exceptions.
-        problem = "it looks like a notebook" if start.lstrip().startswith(b"{") else format_of(start)
-        if start.startswith(b"PK"):
+        if isinstance(error, FileNotFoundError):
+            problem = "there is no such file"
+        elif problem == LOOKS_LIKE[b"pk"]:
             problem = f"it is damaged or incomplete ({error})"
         raise CourseError(f"it is not a readable zip file: {problem or error}") from error
 
@@ -330,7 +333,7 @@ def _platform_zip(top: Path) -> zipfile.ZipFile:
         return _archive(top)
     except CourseError as error:
         raise CourseError(
-            f"{top} is neither a folder nor a zip file: {error.__cause__}. Pass the platform's download."
+            f"{top} is not a folder, and {error}. Pass the platform's download, a zip file or a folder."
         ) from error
 
 
