@@ -341,8 +341,9 @@ class RobotStatePublisher(Node):
         self.declare_parameter("ignore_timestamp", ignore_timestamp)
         # Stamp of the last published transform by joint.
         self._published_ns: dict[str, int] = {}
-        # Hints that were printed, each once.
-        self._hints = set[str]()
+        # Joints that got a hint, or need none.
+        self._hinted = set[str]()
+        self._hint_count = 0
         self._heard_ns = 0
         self._tf = self.create_publisher(TFMessage, "/tf", 100)
         self._tf_static = self.create_publisher(TFMessage, "/tf_static", _LATCHED)
@@ -414,30 +415,41 @@ class RobotStatePublisher(Node):
             moving = {n: p for n, p in positions.items() if n in joints and joints[n].kind in MOVING}
             self._tf.publish(self._transforms(moving, state.header.stamp))
             self._published_ns |= dict.fromkeys(state.name, Time.from_msg(state.header.stamp).nanoseconds)
-
         else:
             self._report_slips(state)
 
     def _report_slips(self, state: JointState) -> None:
         """Print hints about a joint state of which ROS's node says nothing, each once."""
-        joints, hints = self._tree.joints, list[str]()
+        joints = self._tree.joints
         if state.header.stamp.sec == state.header.stamp.nanosec == 0 and not self._value("ignore_timestamp"):
-            hints.append("has no stamp, and is ignored: set header.stamp to self.get_clock().now().to_msg().")
+            self._hint(
+                "", "has no stamp, and is ignored: set header.stamp to self.get_clock().now().to_msg()."
+            )
         for name, position in zip(state.name, state.position, strict=True):
+            if name in self._hinted:
+                continue
             joint = joints.get(name)
-            if joint is not None and joint.kind == "revolute" and abs(position) > MANY_RADIANS:
-                hints.append(f"moves {name} to {position:g}: positions are in radians, 90° is 1.5708.")
-            elif joint is None:
-                of_link = next((one.name for one in joints.values() if one.child == name), "")
-                others = [one.name for one in joints.values() if one.kind in MOVING]
-                if of_link:
-                    hints.append(f"names {name}, which is a link: its joint is {of_link}.")
-                elif near := nearest(name, set(others) - set(state.name), 0.8):
-                    hints.append(f"names {name}, which the robot does not have: did you mean {near}?")
-        for hint in hints:
-            if hint not in self._hints and len(self._hints) < _MOST_HINTS:
-                self._hints.add(hint)
-                say(f"hint: a message on /joint_states {hint}")
+            if joint is not None:
+                if joint.kind == "revolute" and abs(position) > MANY_RADIANS:
+                    text = f"moves {name} to {position:g}: positions are in radians, 90° is 1.5708."
+                    self._hint(name, text)
+                continue
+            of_link = next((one.name for one in joints.values() if one.child == name), "")
+            free_names = {one.name for one in joints.values() if one.kind in MOVING} - set(state.name)
+            if of_link:
+                self._hint(name, f"names {name}, which is a link: its joint is {of_link}.")
+            elif near := nearest(name, free_names, 0.8):
+                self._hint(name, f"names {name}, which the robot does not have: did you mean {near}?")
+            else:
+                # A robot's states may contain joints that its description lacks, such as a gripper's.
+                self._hinted.add(name)
+
+    def _hint(self, joint: str, text: str) -> None:
+        """Print a hint about the joint states, one for each joint; "" stands for all joints."""
+        if joint not in self._hinted and self._hint_count < _MOST_HINTS:
+            say(f"hint: a message on /joint_states {text}")
+            self._hint_count += 1
+        self._hinted.add(joint)
 
     def _is_due(self, state: JointState) -> bool:
         now_ns = self.get_clock().now().nanoseconds
