@@ -19,7 +19,8 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from course_lib.errors import CourseError
-from course_lib.ros.tracebacks import KIT, line_of_traceback
+from course_lib.ros.student_code import KIT
+from course_lib.ros.tracebacks import line_of_traceback
 
 Level: TypeAlias = Literal["ok", "warn", "error", "hint"]
 

@@ -12,7 +12,7 @@ from typing import Any, Self
 from course_lib.grading.run.outcome import describe
 from course_lib.grading.slips import parse
 from course_lib.ros.graph.graph import START_NS, current_graph
-from course_lib.ros.tracebacks import is_own
+from course_lib.ros.student_code import is_own
 
 # Catching these classes catches mistakes in the code as well.
 _ALL_ERRORS = {"Exception", "BaseException"}

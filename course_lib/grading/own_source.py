@@ -17,7 +17,7 @@ from course_lib.course.exercise import source as text_of
 from course_lib.course.material import exercises_dir
 from course_lib.errors import CourseError
 from course_lib.export.module import without_magics
-from course_lib.ros.tracebacks import is_own
+from course_lib.ros.student_code import is_own
 
 # Limit on the definitions of one answer.
 MOST_DEFINITIONS = 50

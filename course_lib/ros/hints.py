@@ -22,6 +22,15 @@ from course_lib.ros import import_hints, near_names, syntax_hints, value_hints
 from course_lib.ros.messages.definitions import definition, type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
 from course_lib.ros.programs.packages import skipped_folder_reason, unavailable_reason
+from course_lib.ros.student_code import (
+    frame_of,
+    is_native,
+    is_of_library,
+    is_own,
+    is_student_class,
+    line_of_student,
+    reachable_object,
+)
 from course_lib.ros.tf2 import BufferCore
 
 # Limit on the characters of an error's text that are examined.
@@ -143,23 +152,28 @@ def _find_hint(error: BaseException) -> str:
         return f"put the folder {package} with its {kind} beside the program, or into the workspace's src."
     if isinstance(error, ImportError):
         return import_hints.import_hint(error)
-    is_of_message = not isinstance(error, AttributeError) or _is_message(error.obj)
+    # The object is unknown, or a message: rclpy also has a class Time.
+    is_of_message = (
+        not isinstance(error, AttributeError)
+        or error.obj is None
+        or hasattr(error.obj, "get_fields_and_field_types")
+    )
     if is_of_message and (types := _types_of(error, text)):
         missing = text.rpartition("attribute '")[2].partition("'")[0]
-        return _field_hint(types, missing, near_names.line_of_student(error))
+        return _field_hint(types, missing, line_of_student(error))
     if isinstance(error, AttributeError):
-        frame = near_names.frame_of(error)
+        frame = frame_of(error)
         outer = frame.f_globals.get(error.name or "") if frame is not None else None
         if error.name and _has_parameter(error.obj, error.name):
             return f"{error.name} is a parameter: read it with `self.get_parameter('{error.name}').value`."
         # A function with self is a method with too little indentation, which has a hint of its own.
         is_function = isinstance(outer, FunctionType) and outer.__code__.co_varnames[:1] != ("self",)
-        if near_names.is_student_class(type(error.obj)) and is_function:
+        if is_student_class(type(error.obj)) and is_function:
             return f"{error.name} is a function outside of the class: call it without `self.`"
         if similar := near_names.attribute_hint(error):
             return similar
         attribute = re.match(r"'(\w+)' object has no attribute '(\w+)'$", text)
-        if attribute and near_names.is_student_class(type(error.obj)):
+        if attribute and is_student_class(type(error.obj)):
             return f"set `self.{attribute[2]}` in {attribute[1]}.__init__, spelled the same."
     return ""
 
@@ -180,7 +194,7 @@ def _field_hint(types: Sequence[str], attribute: str, line: str) -> str:
     # The fields of a service or an action are shown under its name: Trigger for Trigger_Request.
     shown = re.sub(r"(/(?:srv|action)/[^_]+)_\w+$", r"\1", types[0])
     show = f"`%ros2 interface show {shown}` lists its fields."
-    if near_names.is_angle(attribute) and {"x", "y", "z", "w"} <= set(names):
+    if attribute.lower() in near_names.ANGLES and {"x", "y", "z", "w"} <= set(names):
         turn = "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`"
         back = "the inverse is `yaw = 2 * atan2(q.z, q.w)`"
         return f"a quaternion does not contain an angle: a rotation by yaw about z is {turn}, and {back}."
@@ -217,17 +231,7 @@ def _field_hint(types: Sequence[str], attribute: str, line: str) -> str:
 def _has_parameter(thing: object, name: str) -> bool:
     """Return whether an object is a node of the student with a parameter of this name."""
     has_parameter = getattr(thing, "has_parameter", None)
-    return (
-        near_names.is_student_class(type(thing)) and callable(has_parameter) and has_parameter(name) is True
-    )
-
-
-def _is_message(thing: object) -> bool:
-    """Return whether an object is a message or a message class, or unknown.
-
-    rclpy also has a class Time.
-    """
-    return thing is None or hasattr(thing, "get_fields_and_field_types")
+    return is_student_class(type(thing)) and callable(has_parameter) and has_parameter(name) is True
 
 
 def _decimal_comma_hint(error: BaseException, text: str) -> str:
@@ -237,7 +241,7 @@ def _decimal_comma_hint(error: BaseException, text: str) -> str:
         "|too many values to unpack|is not a node"
     )
     if re.search(surplus, text):
-        return syntax_hints.decimal_comma_hint(near_names.line_of_student(error))
+        return syntax_hints.decimal_comma_hint(line_of_student(error))
     if "must be real number, not tuple" in text:
         # The tuple is usually a variable, which a line above has set.
         found = map(syntax_hints.decimal_comma_hint, value_hints.lines_above(error))
@@ -280,7 +284,7 @@ def _table_hint(error: BaseException, text: str) -> str:
         if match and row.mistake in (None, mistake_of(error)):
             groups = (match[0], *match.groups())
             calls = [near_names.call_with_fields(group or "") or f"{group}()" for group in groups]
-            frame = near_names.frame_of(error)
+            frame = frame_of(error)
             # The name of the callback that rclpy rejects, or an example of one.
             name = getattr(frame.f_locals.get("callback") if frame else None, "__name__", "")
             method = name if isinstance(name, str) and name.isidentifier() else "heard"
@@ -291,20 +295,16 @@ def _table_hint(error: BaseException, text: str) -> str:
 def _super_hint(error: BaseException, text: str) -> str:
     """Return the hint for wrong names in super( ), or wrong arguments behind it, or ""."""
     surplus = re.match(r"(\w+)\.__init__\(\) takes (\d) positional arguments? but \d", text)
-    if surplus and re.search(r"\bsuper\(\)\.__init__\(\s*self\b", near_names.line_of_student(error)):
+    if surplus and re.search(r"\bsuper\(\)\.__init__\(\s*self\b", line_of_student(error)):
         return "super() passes self itself: write `super().__init__('a_name')`."
-    if (
-        surplus
-        and surplus[2] == "1"
-        and re.search(r"\bsuper\(\)\.__init__\(", near_names.line_of_student(error))
-    ):
+    if surplus and surplus[2] == "1" and re.search(r"\bsuper\(\)\.__init__\(", line_of_student(error)):
         return (
             f"this class is derived from {surplus[1]}, whose __init__ takes no value: write (Node) "
             "after the name of the class, or super().__init__()."
         )
     if "object.__init__() takes exactly one argument" not in text:
         return ""
-    is_named = re.search(r"\bsuper\(\s*\w+\s*,", near_names.line_of_student(error))
+    is_named = re.search(r"\bsuper\(\s*\w+\s*,", line_of_student(error))
     return "write `super().__init__('a_name')`, with nothing in super( )." if is_named else ""
 
 
@@ -320,7 +320,7 @@ def _lifecycle_hint(error: BaseException, text: str) -> str:
 
 def _task_argument_hint(error: BaseException, text: str) -> str:
     """Return the hint for a callback of a future or an action that lacks its parameter, or ""."""
-    frame = near_names.frame_of(error)
+    frame = frame_of(error)
     match = re.match(r"(?:.*\.)?(\w+|<lambda>)\(\) takes \d+ positional arguments? but", text)
     arguments = frame.f_locals.get("args") if frame is not None else None
     if match is None or not isinstance(arguments, tuple) or not isinstance(error, TypeError):
@@ -345,7 +345,7 @@ def _task_argument_hint(error: BaseException, text: str) -> str:
 
 def _unbound_hint(error: BaseException, text: str) -> str:
     """Return the hint for a callback that is a method of the class and not of its object, or ""."""
-    frame = near_names.frame_of(error)
+    frame = frame_of(error)
     match = re.match(r"(\w+)\.(\w+)\(\) missing \d required positional arguments?: .*'self'", text)
     if match and mistake_of(error) is Mistake.TIMER_CALLBACK:
         return f"pass the method of the object, self.{match[2]}. A @staticmethod has no self."
@@ -361,7 +361,7 @@ def _unbound_hint(error: BaseException, text: str) -> str:
 def _tf_hint(error: BaseException, text: str) -> str:
     """Return the hint for wrong arguments of a Buffer or a transformation, or ""."""
     frames = [frame for frame, _ in walk_tb(error.__traceback__)]
-    line = near_names.line_of_student(error)
+    line = line_of_student(error)
     if isinstance(error, AttributeError) and any(
         frame.f_code.co_name.startswith("do_transform_") for frame in frames
     ):
@@ -426,7 +426,7 @@ def _missing_value_hint(error: BaseException, text: str) -> str:
     if name == "check" and "'task_id'" in values:
         return 'pass the name of the task and your object, as in check("week01.red_cube", RedCubeNode).'
     start = f"the call passes no value for {values.replace(chr(39), '')}"
-    line = near_names.line_of_student(error)
+    line = line_of_student(error)
     # In create_timer(1.0, self.tick()) and key=score_of(), the function itself is meant.
     is_argument = re.search(rf"[(,=]\s*(?:self\.)?{name}\(\s*\)", line)
     if re.search(rf"\b{name}\(", line) and not re.search(r"\bdef\b", line) and not is_argument:
@@ -438,14 +438,15 @@ def _missing_value_hint(error: BaseException, text: str) -> str:
         )
     if is_argument:
         return f"{start}: put it in ( ). To pass the function itself, write {name} without ()."
-    if near_names.is_of_library(error, name):
+    frame = frame_of(error)
+    if frame is not None and is_of_library(reachable_object(frame, name)):
         return f"{start}: put it in ( )."
     return f"{start}. If check(…) makes the call, the function must take the arguments that the task names."
 
 
 def _callback_hint(error: BaseException) -> str:
     """Return the hint for a callback that is given as a string, or as another value, or ""."""
-    frame = near_names.frame_of(error)
+    frame = frame_of(error)
     callback = frame.f_locals.get("callback") if frame is not None else None
     is_called = re.match(r"'\w+' object is not callable", _text(error))
     if frame is not None and callback is None and is_called:
@@ -456,7 +457,7 @@ def _callback_hint(error: BaseException) -> str:
     if isinstance(callback, str):
         return f"the callback is a function and not its name: write self.{callback}, without quotes."
     if is_called and callback is not None and not callable(callback):
-        value = f"{callback!r:.40}, " if near_names.is_native(type(callback)) else ""
+        value = f"{callback!r:.40}, " if is_native(type(callback)) else ""
         return (
             f"the callback is {value}of type {type(callback).__name__}: is it an "
             "attribute with the name of a method, or is the callback another argument of the call?"
@@ -470,8 +471,8 @@ _PARAMETER_FILE = "parameter_store.py"
 
 def _parameter_callback_hint(error: BaseException, text: str) -> str:
     """Return the hint for a parameter callback with a wrong signature, or ""."""
-    frame = near_names.frame_of(error)
-    line = near_names.line_of_student(error)
+    frame = frame_of(error)
+    line = line_of_student(error)
     callers = [caller.f_code.co_filename for caller, _ in walk_tb(error.__traceback__)]
     is_callback = any(caller.endswith(_PARAMETER_FILE) for caller in callers)
     if is_callback and not callers[-1].endswith(_PARAMETER_FILE) and re.match(r"\s*raise\b", line):
@@ -497,7 +498,7 @@ def _recursion_hint(error: BaseException) -> str:
             "set_parameters calls this callback again: leave it out. The parameter has its new "
             "value when the callback has returned `SetParametersResult(successful=True)`."
         )
-    counts = Counter(frame.f_code for frame in frames if near_names.is_own_file(frame.f_code.co_filename))
+    counts = Counter(frame.f_code for frame in frames if is_own(frame.f_code.co_filename))
     repeated = [code for code, count in counts.items() if count > _FEW_CALLS]
     if not repeated:
         return ""
@@ -527,7 +528,7 @@ def _future_hint(error: BaseException) -> str:
         above = linecache.getline(frame.f_code.co_filename, number)
         if called := re.search(r"\.add_done_callback\(\s*([\w.]+)\(", above):
             return f"add_done_callback gets the function itself, without ( ): add_done_callback({called[1]})."
-    line = near_names.line_of_student(error)
+    line = line_of_student(error)
     if isinstance(error.obj, Awaitable) and getattr(error.obj, "done", bool)() is True:
         return f"this future is done: the field is in its result, future.result().{error.name}."
     if error.obj is None and re.search(r"\.result\(\)\.\w", line):
@@ -537,8 +538,8 @@ def _future_hint(error: BaseException) -> str:
 
 def _base_class_hint(error: BaseException) -> str:
     """Return the hint for a class whose base is an object, because a variable has its name, or ""."""
-    line = near_names.line_of_student(error)
-    frame = near_names.frame_of(error)
+    line = line_of_student(error)
+    frame = frame_of(error)
     match = re.match(r"\s*class (\w+)\(([\w.]+)\)", line)
     if match and str(error).startswith("module() takes"):
         name = "Node" if match[2].endswith("node") else "a class of it"
@@ -557,7 +558,7 @@ def _base_class_hint(error: BaseException) -> str:
 
 def _shadowed_hint(error: BaseException, text: str) -> str:
     """Return the hint for a function, method or class that a student's variable hides, or ""."""
-    frame, match = near_names.frame_of(error), re.match(r"'(\w+)' object is not callable", text)
+    frame, match = frame_of(error), re.match(r"'(\w+)' object is not callable", text)
     if frame is None or match is None or not isinstance(error, TypeError):
         return ""
     variables = {**frame.f_globals, **frame.f_locals}
@@ -570,7 +571,7 @@ def _shadowed_hint(error: BaseException, text: str) -> str:
                 f"{name} is a variable here, {name} = …, and hides Python's {name}(): choose "
                 f"another name for it. In a notebook, del {name} gives back Python's own."
             )
-        is_called = re.search(rf"(?<![.\w]){name}\(", near_names.line_of_student(error)) is not None
+        is_called = re.search(rf"(?<![.\w]){name}\(", line_of_student(error)) is not None
         value = frame.f_locals.get(name)
         is_value = value is not None and not callable(value)
         if is_called and is_value and callable(frame.f_globals.get(name)):
@@ -581,7 +582,7 @@ def _shadowed_hint(error: BaseException, text: str) -> str:
                 "name for the object, and import the class again."
             )
     owner = frame.f_locals.get("self")
-    for name in re.findall(r"\bself\.(\w+)\(", near_names.line_of_student(error)):
+    for name in re.findall(r"\bself\.(\w+)\(", line_of_student(error)):
         value = getattr(owner, "__dict__", {}).get(name)
         if type(value).__name__ == match[1] and callable(getattr(type(owner), name, None)):
             return f"self.{name} = … hides the method {name}: choose another name for the attribute."
@@ -607,7 +608,7 @@ def _hidden_module_hint(error: BaseException) -> str:
 
 def _hidden_property_hint(error: BaseException) -> str:
     """Return the hint for a method with the name of a property of a node that rclpy reads, or ""."""
-    frame = near_names.frame_of(error)
+    frame = frame_of(error)
     if frame is not None and frame.f_code.co_name == "__name_in_events":
         return (
             "rclpy itself calls get_name() and get_namespace() of a node, which return strings: "
@@ -628,7 +629,7 @@ def _loop_hint(error: BaseException, text: str) -> str:
     # rclpy's own classes of these names are not messages.
     if not name or not isinstance(error, TypeError) or name in ("Time", "Duration", "Parameter"):
         return ""
-    frame, trace = near_names.frame_of(error), error.__traceback__
+    frame, trace = frame_of(error), error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next
     if trace is not None and frame is not None:
@@ -655,11 +656,11 @@ _CREATE_CALLS = {
 
 def _order_hint(error: BaseException, text: str) -> str:
     """Return the hint for a call that passes the type or the name of a topic in the wrong position, or ""."""
-    frame = near_names.frame_of(error)
+    frame = frame_of(error)
     if "isinstance() arg 2" in text and frame is not None and frame.f_code.co_name == "publish":
         # rclpy accepts a message in place of its class until `publish` is called.
         return _type_hint(getattr(frame.f_locals.get("self"), "msg_type", None))
-    line = near_names.line_of_student(error)
+    line = line_of_student(error)
     end = re.search(r"\b(Action(?:Server|Client))\(\s*\w+\s*,\s*['\"]", line)
     if end and "missing" in text:
         return f"the node comes first: `{_CREATE_CALLS[end[1]]}`."
@@ -707,7 +708,7 @@ def _type_hint(kind: object) -> str:
 
 def _executor_hint(error: BaseException, text: str) -> str:
     """Return the hint for several nodes that are passed to spin, or a node instead of a number, or ""."""
-    frame = near_names.frame_of(error)
+    frame = frame_of(error)
     callers = {caller.f_code.co_name for caller, _ in walk_tb(error.__traceback__)}
     if re.match(r"unhashable type: '(list|set)'", text) and {"spin", "spin_once", "add_node"} & callers:
         return (
@@ -755,7 +756,7 @@ def _operand_hint(error: BaseException, text: str) -> str:
 
 def _request_hint(error: BaseException) -> str:
     """Return the hint for a service client that is called with a value other than a request, or ""."""
-    frame = near_names.frame_of(error)
+    frame = frame_of(error)
     service = getattr(frame.f_locals.get("self"), "srv_type", None) if frame is not None else None
     if mistake_of(error) is not Mistake.REQUEST or service is None:
         return ""
@@ -775,7 +776,7 @@ def _program_arguments_hint(error: BaseException) -> str:
     if not isinstance(error, IndexError | ValueError):
         return ""
     is_short = isinstance(error, IndexError) or "not enough values to unpack" in str(error)
-    if not is_short or "sys.argv" not in near_names.line_of_student(error):
+    if not is_short or "sys.argv" not in line_of_student(error):
         return ""
     return (
         "the program needs arguments: course run FILE -- VALUES, or in a launch file, for its "
@@ -785,7 +786,7 @@ def _program_arguments_hint(error: BaseException) -> str:
 
 def _missing_self_hint(error: NameError, text: str) -> str:
     """Return the hint for a method that uses `self` but does not have it as its first parameter."""
-    frame = near_names.frame_of(error)
+    frame = frame_of(error)
     if frame is None or "name 'self' is not" not in text:
         return ""
     code = frame.f_code
@@ -849,7 +850,7 @@ def _types_of(error: BaseException, text: str) -> list[str]:
     owner = error.obj if isinstance(error, AttributeError) else None
     kind = owner if isinstance(owner, type) else type(owner)
     # Python keeps the object of an attribute that is read, but not of one that is set.
-    frame = near_names.frame_of(error)
+    frame = frame_of(error)
     values = {**frame.f_globals, **frame.f_locals}.values() if frame is not None else ()
     for candidate in (kind, *(type(value) for value in values if owner is None)):
         if hasattr(candidate, "_TYPE_NAME") and f"'{candidate.__name__}'" in text:

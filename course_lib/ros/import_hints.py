@@ -8,6 +8,7 @@ from pkgutil import iter_modules
 
 from course_lib.ros import near_names
 from course_lib.ros.programs.packages import clone_instructions
+from course_lib.ros.student_code import public_attributes
 
 # Modules that ROS programs often use, by their names on PyPI.
 _FROM_PIP = {
@@ -230,7 +231,7 @@ def import_hint(error: ImportError) -> str:
         return f"it is elsewhere: `{line}`."
     imported_module = sys.modules.get(module)
     submodules = [match.name for match in iter_modules(getattr(imported_module, "__path__", None) or [])]
-    names = [*near_names.public_attributes(imported_module), *submodules]
+    names = [*public_attributes(imported_module), *submodules]
     longer = [name for name in names if name.startswith(f"{missing}_")]
     similar = near_names.nearest(missing, names) or (longer[0] if len(longer) == 1 else "")
     return f"did you mean {similar}? `from {module} import {similar}`" if similar else ""

@@ -9,12 +9,10 @@ import dis
 import importlib
 import inspect
 import keyword
-import linecache
 import os
 import re
 import sys
-import sysconfig
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from functools import cache
 from importlib.machinery import PathFinder
@@ -22,15 +20,22 @@ from pathlib import Path
 from pkgutil import iter_modules
 from traceback import walk_tb
 from types import CodeType, FrameType, FunctionType, MethodType, ModuleType
-from typing import Any
 
 from course_lib.errors import format_count, join_words
 from course_lib.ros import syntax_hints
 from course_lib.ros.messages.definitions import FieldDefinition, definition, type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
-
-# Folder of the kit. A class defined in it, in Python or in a library is not from a student.
-_KIT_FOLDER = str(Path(__file__).resolve().parent.parent)
+from course_lib.ros.student_code import (
+    KIT,
+    frame_of,
+    is_launch_file,
+    is_of_library,
+    is_own,
+    is_student_class,
+    line_of_student,
+    public_attributes,
+    reachable_object,
+)
 
 # Names other than messages that ROS programs import. In a launch file, its own names take
 # precedence.
@@ -104,10 +109,10 @@ IN_LAUNCH_FILES = LAUNCH_IMPORTS | {
     name: f"from {module} import {name}" for module, names in _NAMES_OF_LAUNCH.items() for name in names
 }
 _KIT = ("course_lib", "course_lib.robots", "course_lib.displays", "course_lib.sensors")
-# Modules that students use without having imported them. Other names, like `time`, also occur in
-# rclpy.
 # Methods of a Buffer of tf2.
 OF_BUFFER = ("can_transform", "lookup_transform", "lookup_transform_async", "transform", "set_transform")
+# Modules that students use without having imported them. Other names, like `time`, also occur in
+# rclpy.
 _STDLIB = ("time", "os", "sys", "random", "json", "copy", "re", "datetime", "threading", "itertools")
 # Fields by their everyday names, and by their names in other libraries.
 _SYNONYMS = {
@@ -152,8 +157,8 @@ _SYNONYMS = {
     "msg": ("data",),
     "value": ("data",),
 }
-_ANGLES = ("yaw", "roll", "pitch", "angle", "heading", "theta")
-_HEAP_TYPE = 1 << 9  # Python's flag of classes that are not static in C
+# Angles, which students expect in a quaternion.
+ANGLES = ("yaw", "roll", "pitch", "angle", "heading", "theta")
 # Packages whose messages are meant if others have some of the same name, the likeliest one first.
 COMMON = ("std_msgs", "geometry_msgs", "visualization_msgs", "sensor_msgs", "nav_msgs", "builtin_interfaces")
 # Words of other languages, with the names for them in Python.
@@ -202,26 +207,6 @@ def nearest(missing: str, names: Iterable[str], cutoff: float = 0.75) -> str:
     plain = missing.lower().replace("_", "")
     same = [name for name in candidates if name.lower().replace("_", "") == plain]
     return next(iter([*same, *get_close_matches(missing, candidates, 1, cutoff)]), "")
-
-
-def frame_of(error: BaseException) -> FrameType | None:
-    """Return the frame that raised an exception."""
-    trace = error.__traceback__
-    while trace is not None and trace.tb_next is not None:
-        trace = trace.tb_next
-    return trace.tb_frame if trace is not None else None
-
-
-def is_own_file(name: str) -> bool:
-    """Return whether a file or a cell does not belong to the kit, to Python or to a library."""
-    return not name.startswith((_KIT_FOLDER, "<frozen", *sysconfig.get_paths().values()))
-
-
-def line_of_student(error: BaseException) -> str:
-    """Return the traceback's innermost line outside the kit, Python and its libraries, or ""."""
-    lines = [(frame.f_code.co_filename, number) for frame, number in walk_tb(error.__traceback__)]
-    own = [(name, number) for name, number in lines if is_own_file(name)]
-    return linecache.getline(*own[-1]) if own else ""
 
 
 def name_hint(error: NameError) -> str:
@@ -502,15 +487,8 @@ def attribute_hint(error: AttributeError) -> str:
     similar = nearest(error.name, names)
     if own_classes:
         # `self.publish` resembles `publisher` more than the name that is probably meant.
-        values = getattr(error.obj, "__dict__", {}).items()
-        holders = [
-            key
-            for key, value in values
-            if not key.startswith("_")
-            and (callable(getattr(type(value), error.name, None)) or error.name in _fields(value))
-        ]
-        if holders:
-            return f"did you mean `self.{holders[0]}.{error.name}`?"
+        if holder := _holder_of(error.name, error.obj):
+            return f"did you mean `self.{holder}.{error.name}`?"
         own_names = list(dict.fromkeys(name for name in names if name in attributes))
         in_init = frame is not None and frame.f_code.co_name == "__init__"
         if not similar and own_names and in_init and hasattr(cls, "create_timer"):
@@ -530,6 +508,16 @@ def attribute_hint(error: AttributeError) -> str:
     return f"did you mean `{similar}`?" if similar else ""
 
 
+def _holder_of(name: str, instance: object) -> str:
+    """Return the first attribute whose value has a method or a message's field of this name, or ""."""
+    for key, value in getattr(instance, "__dict__", {}).items():
+        fields = getattr(type(value), "get_fields_and_field_types", None)
+        has_method = callable(getattr(type(value), name, None))
+        if not key.startswith("_") and (has_method or (callable(fields) and name in fields())):
+            return key
+    return ""
+
+
 def _module_attribute_hint(module: ModuleType, name: str, frame: FrameType | None) -> str:
     """Return the hint for a name that is in a module of a package and not in the package, or ""."""
     package = module.__name__
@@ -540,7 +528,7 @@ def _module_attribute_hint(module: ModuleType, name: str, frame: FrameType | Non
         return ""
     # A library may lack an import itself, as xacro does.
     file = frame.f_code.co_filename if frame is not None else ""
-    if not file.startswith(_KIT_FOLDER) and not _is_from_student(file):
+    if not file.startswith(KIT) and not is_own(file):
         return ""
     if any(inner.name == name for inner in iter_modules(module.__path__)):
         return f"a module of a package is imported by its whole name: `import {package}.{name}`."
@@ -554,12 +542,6 @@ def _local_variable_hint(name: str, cls: type) -> str:
         if code is not None and name in code.co_varnames[code.co_argcount :]:
             return f"{name} = … in {key} is a variable that ends with it: write self.{name} = … there."
     return ""
-
-
-def _fields(value: object) -> Collection[str]:
-    """Return the names of a message's fields, or [] for any other object."""
-    fields = getattr(type(value), "get_fields_and_field_types", None)
-    return fields() if callable(fields) else []
 
 
 def _method_outside(name: str, cls: type) -> str:
@@ -602,9 +584,9 @@ def keyword_hint(error: BaseException) -> str:
         return ""
     # The kit's base class that rejects the argument is not the class that the student called.
     instance = frame.f_locals.get("self")
-    is_in_kit = instance is not None and frame.f_code.co_filename.startswith(_KIT_FOLDER)
+    is_in_kit = instance is not None and frame.f_code.co_filename.startswith(KIT)
     function = (
-        type(instance) if is_in_kit and ".__init__()" in str(error) else _reachable_object(frame, match[1])
+        type(instance) if is_in_kit and ".__init__()" in str(error) else reachable_object(frame, match[1])
     )
     # Actions of launch files check their options in a function of their own.
     for caller, _ in walk_tb(error.__traceback__):
@@ -637,8 +619,8 @@ def extra_argument_hint(error: BaseException) -> str:
     frame = frame_of(error)
     if match is None or frame is None:
         return ""
-    cls, name = _reachable_object(frame, match[1]), match[2]
-    method = getattr(cls, name, None) if isinstance(cls, type) else _reachable_object(frame, name)
+    cls, name = reachable_object(frame, match[1]), match[2]
+    method = getattr(cls, name, None) if isinstance(cls, type) else reachable_object(frame, name)
     code = getattr(method, "__code__", None)
     if not isinstance(code, CodeType) or code.co_varnames[:1] != ("self",) or name == "__init__":
         return ""
@@ -660,13 +642,13 @@ def keyword_argument_hint(error: BaseException) -> str:
     frame = frame_of(error)
     if match is None or frame is None or not isinstance(error, TypeError):
         return ""
-    function = _reachable_object(frame, match[1])
+    function = reachable_object(frame, match[1])
     if match[1] == "LaunchDescription":
         return "LaunchDescription takes one list: put all actions into it, LaunchDescription([…, …])."
     # The classes of rclpy have hints with examples.
     is_of_rclpy = str(getattr(function, "__module__", "")).startswith("rclpy")
     if is_of_rclpy or (
-        is_student_class(function) if isinstance(function, type) else not _is_of_library(function)
+        is_student_class(function) if isinstance(function, type) else not is_of_library(function)
     ):
         return ""
     try:
@@ -685,33 +667,6 @@ def keyword_argument_hint(error: BaseException) -> str:
     names = named[:3]
     more = "" if len(names) == len(named) else ", …"
     return f"{match[1]} takes the last values by name: {', '.join(f'{name}=…' for name in names)}{more}."
-
-
-def is_of_library(error: BaseException, name: str) -> bool:
-    """Return whether a function called by this name is not defined in the student's code."""
-    frame = frame_of(error)
-    return frame is not None and _is_of_library(_reachable_object(frame, name))
-
-
-def _is_of_library(function: object) -> bool:
-    code = getattr(function, "__code__", None)
-    return isinstance(code, CodeType) and not _is_from_student(code.co_filename)
-
-
-def _reachable_object(frame: FrameType, name: str) -> Any:
-    """Return the object of a name: a variable, or a method of self or of an object in scope."""
-    instance = frame.f_locals.get("self")
-    for names in (frame.f_locals, frame.f_globals, vars(builtins)):
-        if name in names:
-            return names[name]
-    holders = [
-        instance,
-        *frame.f_locals.values(),
-        *getattr(instance, "__dict__", {}).values(),
-        *frame.f_globals.values(),
-    ]
-    methods = (getattr(type(holder), name, None) for holder in holders if holder is not None)
-    return next((method for method in methods if callable(method)), None)
 
 
 def constructor_hint(error: BaseException) -> str:
@@ -795,37 +750,10 @@ def synonyms(name: str) -> tuple[str, ...]:
     return _SYNONYMS.get(name.lower(), ())
 
 
-def is_angle(name: str) -> bool:
-    """Return whether a name denotes an angle, like yaw, which students expect in a quaternion."""
-    return name.lower() in _ANGLES
-
-
-def is_native(kind: type) -> bool:
-    """Return whether a class is implemented in C, like Python's built-in classes."""
-    return not kind.__flags__ & _HEAP_TYPE
-
-
-def is_student_class(kind: type) -> bool:
-    """Return whether a class is defined in a notebook, or in a program next to it."""
-    module = sys.modules.get(kind.__module__)
-    place = getattr(module, "__file__", None) or ""
-    # In a notebook, the file of __main__ is the program that runs its kernel.
-    if kind.__module__ == "__main__":
-        return True
-    # Cells that are executed without a module define classes of "builtins".
-    if kind.__module__ == "builtins":
-        return getattr(builtins, kind.__name__, None) is None and not is_native(kind)
-    return _is_from_student(place)
-
-
-def _is_from_student(file: str) -> bool:
-    return not file.startswith((_KIT_FOLDER, *sysconfig.get_paths().values()))
-
-
 def hiding_file_hint(name: str) -> str:
     """Return the hint for an imported file or folder that has the name of a library's module, or ""."""
     file = getattr(sys.modules.get(name), "__file__", None)
-    if file is None or "." in name or not _is_from_student(file):
+    if file is None or "." in name or not is_own(file):
         return ""
     place = Path(file).resolve()
     if place.stem == "__init__":
@@ -833,7 +761,7 @@ def hiding_file_hint(name: str) -> str:
     elsewhere = [entry for entry in sys.path if Path(entry).resolve() != place.parent]
     hidden = PathFinder.find_spec(name, elsewhere)
     # Python also finds the folder around a package of the workspace, without an origin.
-    if hidden is None or hidden.origin is None or _is_from_student(hidden.origin):
+    if hidden is None or hidden.origin is None or is_own(hidden.origin):
         return ""
     return f"your {place.name} hides the module {name} of Python or of a library: rename it."
 
@@ -879,19 +807,6 @@ def call_with_fields(name: str) -> str:
         # A nested message needs its own object, which the empty message already has.
         return f"{name}()"
     return f"{name}({', '.join(f'{field.name}={samples.get(field.base, 1)}' for field in fields)})"
-
-
-def public_attributes(value: object) -> list[str]:
-    """Return the public attributes of an object, or [] if its own `__dir__` raises an exception."""
-    try:
-        return [name for name in dir(value) if not name.startswith("_")] if value is not None else []
-    except (Exception, SystemExit):
-        return []
-
-
-def is_launch_file(frame: FrameType) -> bool:
-    """Return whether a frame is in a launch file."""
-    return "generate_launch_description" in (*frame.f_globals, frame.f_code.co_name)
 
 
 def _importable(frame: FrameType) -> dict[str, str]:

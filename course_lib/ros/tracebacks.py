@@ -6,7 +6,6 @@ import importlib
 import linecache
 import os
 import sys
-import sysconfig
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
@@ -19,9 +18,8 @@ from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.hints import add_hint
 from course_lib.ros.notices import say
+from course_lib.ros.student_code import KIT, is_own
 
-KIT = str(Path(__file__).resolve().parent.parent)
-OTHERS = (KIT, *sysconfig.get_paths().values())
 # Frames between an import and the module, which Python does not show either, and frames of context
 # managers.
 _HIDDEN = (KIT, "<frozen importlib", importlib.__file__, contextlib.__file__)
@@ -168,11 +166,6 @@ def is_importing(ident: int) -> bool:
         if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
             return True
     return False
-
-
-def is_own(filename: str) -> bool:
-    """Return whether a file belongs to the student, not to the kit, Python or a library."""
-    return not filename.startswith(("<frozen", *OTHERS))
 
 
 def format_location(filename: str, line: int) -> str:

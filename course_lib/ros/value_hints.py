@@ -17,7 +17,7 @@ import numpy as np
 from course_lib.errors import format_count, join_words
 from course_lib.ros import near_names
 from course_lib.ros.messages.definitions import FieldDefinition, definition, type_names
-from course_lib.ros.near_names import is_own_file
+from course_lib.ros.student_code import frame_of, is_own, line_of_student
 
 # The hint for None in a field of text, and in another one.
 _NONE_VALUE = (
@@ -35,7 +35,7 @@ def value_hint(error: BaseException, text: str) -> str:
 
     ROS's error text states the type that the field needs, but not the value.
     """
-    frame = near_names.frame_of(error)
+    frame = frame_of(error)
     match = re.search(r"field must be (?:of type|a sub message of type) '(\w+)'", text)
     if frame is None or match is None or "value" not in frame.f_locals:
         return ""
@@ -58,7 +58,7 @@ def value_hint(error: BaseException, text: str) -> str:
         return f"this is the function {value.__name__}, which is not called: are its ( ) missing?"
     if is_number and (found := _number_hint(value, kind, text)):
         return found
-    if found := _whole_number_hint(value, kind, near_names.line_of_student(error)):
+    if found := _whole_number_hint(value, kind, line_of_student(error)):
         return found
     if name == "Parameter":
         return "this is a parameter: read its value, `self.get_parameter('a_name').value`."
@@ -169,7 +169,7 @@ def list_hint(error: BaseException, text: str) -> str:
 
     ROS's error text does not contain the passed value.
     """
-    frame = near_names.frame_of(error)
+    frame = frame_of(error)
     if frame is None or "value" not in frame.f_locals:
         return ""
     value = frame.f_locals["value"]
@@ -239,13 +239,13 @@ def missing_comma_hint(error: BaseException, text: str) -> str:
     is_index = re.match(r"(tuple|list) indices must be integers or slices, not (tuple|list)", text)
     if not isinstance(error, TypeError) or not (is_call or is_index):
         return ""
-    found = re.search(r"[\d.\"'][)\]]\s*([(\[])[-\d.\"']", near_names.line_of_student(error))
+    found = re.search(r"[\d.\"'][)\]]\s*([(\[])[-\d.\"']", line_of_student(error))
     return f"a comma is missing between two items, before {found[1]}." if found else ""
 
 
 def range_hint(error: BaseException, text: str) -> str:
     """Return the hint for range( ) of a list, or ""."""
-    match = re.search(r"\brange\(\s*([\w.]+)\s*\)", near_names.line_of_student(error))
+    match = re.search(r"\brange\(\s*([\w.]+)\s*\)", line_of_student(error))
     is_list = re.match(r"'(list|tuple|dict|str)' object cannot be interpreted", text)
     if match is None or is_list is None:
         return ""
@@ -254,7 +254,7 @@ def range_hint(error: BaseException, text: str) -> str:
 
 def index_hint(error: BaseException) -> str:
     """Return the hint for an index beyond the end of a list, with the numbers, or ""."""
-    frame, line = near_names.frame_of(error), near_names.line_of_student(error)
+    frame, line = frame_of(error), line_of_student(error)
     if frame is None or not isinstance(error, IndexError):
         return ""
     names = {**frame.f_globals, **frame.f_locals}
@@ -297,7 +297,7 @@ _WITHOUT_RESULT = r"\w+\.(?:append|extend|insert|remove|reverse|sort|update|add|
 
 def numpy_hint(error: BaseException, text: str) -> str:
     """Return the hint for a call of range or numpy whose line shows the mistake, or ""."""
-    line = near_names.line_of_student(error)
+    line = line_of_student(error)
     if not isinstance(error, TypeError):
         return ""
     if "object is not callable" in text and (found := re.search(r"\.(shape|size|ndim|dtype|T)\(", line)):
@@ -315,9 +315,9 @@ def unpacked_string_hint(error: BaseException, text: str) -> str:
     """Return the hint for a string whose letters are unpacked, as in `r, g, b = "gray"`, or ""."""
     found = re.match(
         r"\s*\w+(?:\s*,\s*[\w.]+)+\s*=\s*([\"'][^\"']*[\"']|\w+)\s*(?:#.*)?$",
-        near_names.line_of_student(error),
+        line_of_student(error),
     )
-    frame = near_names.frame_of(error)
+    frame = frame_of(error)
     if found is None or frame is None or "values to unpack" not in text:
         return ""
     value = found[1].strip("\"'")
@@ -357,7 +357,7 @@ def pair_hint(error: BaseException, text: str) -> str:
                 return "enumerate gives pairs: `for index, item in enumerate(items)`."
             if any(re.search(rf"\bfor {name} in [\w.]+\.items\(", lines) for name in names):
                 return "items() gives pairs, a key and a value: write two names between for and in."
-    line = near_names.line_of_student(error)
+    line = line_of_student(error)
     if text.startswith("cannot unpack non-iterable int") and " in enumerate(" in line:
         return "enumerate gives pairs, an index and then an item: `for index, item in enumerate(items)`."
     if not isinstance(error, ValueError) or "values to unpack" not in text:
@@ -390,7 +390,7 @@ def none_hint(error: BaseException, text: str) -> str:
 
     The assignment may be above the failing line: `corners = corners.append(corner)`.
     """
-    frame = near_names.frame_of(error)
+    frame = frame_of(error)
     if frame is None or "NoneType" not in text:
         return ""
     for line in lines_above(error):
@@ -405,7 +405,7 @@ def none_hint(error: BaseException, text: str) -> str:
 
 def lines_above(error: BaseException) -> Iterator[str]:
     """Yield the lines of the student's failing function from the failing one upwards."""
-    own = [step for step in walk_tb(error.__traceback__) if is_own_file(step[0].f_code.co_filename)]
+    own = [step for step in walk_tb(error.__traceback__) if is_own(step[0].f_code.co_filename)]
     if own:
         frame, number = own[-1]
         lines = linecache.getlines(frame.f_code.co_filename)
@@ -416,7 +416,7 @@ def append_hint(error: BaseException, text: str) -> str:
     """Return the hint for several numbers added to a field of numbers in one step, or ""."""
     if not isinstance(error, TypeError):
         return ""
-    line = near_names.line_of_student(error)
+    line = line_of_student(error)
     if "must be real number, not list" in text and re.search(r"\.append\(\s*\[", line):
         return "append adds one number. To set all of them, write = and the list; extend adds them."
     if "can only extend array with array" in text:

@@ -23,10 +23,11 @@ from course_lib.ros.programs import import_path
 from course_lib.ros.programs.package_programs import Executables, RunProgram
 from course_lib.ros.programs.packages import LAUNCH_IN_WORDS
 from course_lib.ros.programs.process import NotebookProgram, Process, Processes, Program
+from course_lib.ros.student_code import is_own
 from course_lib.ros.time import virtual_time
 from course_lib.ros.time.interrupts import keep_signal_handlers
 from course_lib.ros.time.time_lock import time_lock
-from course_lib.ros.tracebacks import format_location, is_own, print_error_of_thread
+from course_lib.ros.tracebacks import format_location, print_error_of_thread
 
 _real_urandom = os.urandom
 _real_seed = random.Random.seed

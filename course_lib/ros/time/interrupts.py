@@ -19,9 +19,10 @@ from typing import Any
 
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.notices import say
+from course_lib.ros.student_code import is_own
 from course_lib.ros.time import wall
 from course_lib.ros.time.time_lock import real_getsignal, real_signal, time_lock
-from course_lib.ros.tracebacks import is_own, line_of_thread, line_of_traceback
+from course_lib.ros.tracebacks import line_of_thread, line_of_traceback
 
 # Wall time after which the line of a running callback is reported [s].
 PATIENCE = 3.0

@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import START_NS, current_graph, program
+from course_lib.ros.student_code import is_own
 from course_lib.ros.time import wall
 from course_lib.ros.time.time_lock import (
     POLL_STEP_NS,
@@ -39,7 +40,6 @@ from course_lib.ros.time.time_lock import (
     set_handler,
     time_lock,
 )
-from course_lib.ros.tracebacks import is_own
 from course_lib.third_party import compile_python
 
 if TYPE_CHECKING:

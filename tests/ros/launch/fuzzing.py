@@ -8,7 +8,7 @@ from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 from course_lib.errors import CourseError
-from course_lib.ros.tracebacks import KIT
+from course_lib.ros.student_code import KIT
 from tests.ros.launch.run import recorded
 
 PYTHON = """\

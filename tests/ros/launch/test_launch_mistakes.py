@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.ros.tracebacks import KIT
+from course_lib.ros.student_code import KIT
 from tests.ros.launch.run import recorded
 
 Write = Callable[..., Path]

@@ -9,7 +9,7 @@ from types import FrameType, SimpleNamespace
 from typing import Any, Protocol, TypeAlias, Union
 
 from course_lib.errors import CourseError
-from course_lib.ros.tracebacks import KIT, is_own
+from course_lib.ros.student_code import KIT, is_own
 
 SomeSubstitutionsType: TypeAlias = Union[str, Path, "Substitution", Iterable["SomeSubstitutionsType"]]
 SomeEntitiesType: TypeAlias = Union["LaunchDescriptionEntity", Iterable["LaunchDescriptionEntity"]]
