@@ -614,7 +614,7 @@ def _hidden_property_hint(error: BaseException) -> str:
             "rclpy itself calls get_name() and get_namespace() of a node, which return strings: "
             "choose another name for your method."
         )
-    if frame is None or frame.f_code.co_name != "_reject_hidden_properties":
+    if frame is None or frame.f_code.co_name != "reject_hidden_properties":
         return ""
     name = frame.f_locals["name"]
     return f"rclpy itself reads {name} of a node: choose another name for your method {name}."

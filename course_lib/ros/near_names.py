@@ -514,7 +514,7 @@ def _holder_of(name: str, instance: object) -> str:
         fields = getattr(type(value), "get_fields_and_field_types", None)
         has_method = callable(getattr(type(value), name, None))
         if not key.startswith("_") and (has_method or (callable(fields) and name in fields())):
-            return key
+            return str(key)
     return ""
 
 

@@ -140,25 +140,22 @@ def parse_interface(text: str, file: str, path: Path | None = None) -> dict[str,
         for missing in [name for name in type_names_in(file) if name not in types][:1]:
             if folder != "action" or not missing.endswith(tuple(_ACTION_TRANSPORT)):
                 raise CourseError(f"{path or file} does not define a struct for the type {missing}.")
-        return types | (_transport_types(package, name) if folder == "action" else {})
-    pieces = re.split(r"^---[ \t]*\n?", text, flags=re.MULTILINE)
-    parts = PARTS[folder]
-    if len(pieces) != len(parts):
-        raise CourseError(
-            f"{path or file}: a .{folder} file has {len(parts) - 1 or 'no'} "
-            f"line{'s' if len(parts) == 3 else ''} with --- between its parts, not {len(pieces) - 1}."
-        )
-    texts = zip(parts, pieces, strict=True)
-    types = {f"{package}/{folder}/{name}{part}": _parse(text, package) for part, text in texts}
-    return types | (_transport_types(package, name) if folder == "action" else {})
-
-
-def _transport_types(package: str, action: str) -> dict[str, Any]:
-    """Return the messages that rosidl derives from the parts of an action."""
-    name = f"{package}/action/{action}"
-    return {
-        name + part: _parse(text.format(action=name), package) for part, text in _ACTION_TRANSPORT.items()
-    }
+    else:
+        pieces = re.split(r"^---[ \t]*\n?", text, flags=re.MULTILINE)
+        parts = PARTS[folder]
+        if len(pieces) != len(parts):
+            raise CourseError(
+                f"{path or file}: a .{folder} file has {len(parts) - 1 or 'no'} "
+                f"line{'s' if len(parts) == 3 else ''} with --- between its parts, not {len(pieces) - 1}."
+            )
+        texts = zip(parts, pieces, strict=True)
+        types = {f"{package}/{folder}/{name}{part}": _parse(text, package) for part, text in texts}
+    if folder == "action":
+        # The messages that rosidl derives from the parts of an action.
+        action = f"{package}/action/{name}"
+        for part, text in _ACTION_TRANSPORT.items():
+            types[action + part] = _parse(text.format(action=action), package)
+    return types
 
 
 def split_stored(type_name: str, text: str) -> dict[str, str]:

@@ -147,7 +147,9 @@ def _value(node: Any) -> Any:
 def _scalar(node: yaml.ScalarNode) -> bool | int | float | str:
     """Infer a scalar's type as rcl does: a string if quoted, else bool, integer, double or string."""
     text: str = node.value
-    if node.style in ("'", '"', "|", ">") or _is_tagged_as_string(node):
+    plain_tag: str = _RESOLVER.resolve(yaml.ScalarNode, text, (True, False))
+    # Quoted, or not a string by itself but with the tag `!!str`.
+    if node.style in ("'", '"', "|", ">") or (node.tag == _STRING != plain_tag):
         return text
     if not text:
         raise ValueError(f"No value at line {node.start_mark.line + 1}")
@@ -161,12 +163,6 @@ def _scalar(node: yaml.ScalarNode) -> bool | int | float | str:
         return text
     is_out_of_range = math.isinf(real) and any(character.isdigit() for character in text)
     return text if "_" in text or is_out_of_range else real
-
-
-def _is_tagged_as_string(node: yaml.ScalarNode) -> bool:
-    """Return whether a scalar that is not a string by itself has the tag `!!str`."""
-    plain: str = _RESOLVER.resolve(yaml.ScalarNode, node.value, (True, False))
-    return node.tag == _STRING and plain != _STRING
 
 
 def _integer(text: str) -> int:

@@ -5,8 +5,7 @@ import contextvars
 import os
 import sys
 import threading
-from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -253,10 +252,16 @@ class Processes:
         graph = current_graph()
 
         def run() -> None:
+            # Imported late, because programs that run alone do not need it.
+            import asyncio
+
+            # The program's `asyncio.get_event_loop()` returns it.
+            loop = asyncio.new_event_loop()
+            asyncio.set_event_loop(loop)
             try:
-                with _event_loop():
-                    process.run()
+                process.run()
             finally:
+                loop.close()
                 # Nodes that the program has not destroyed are gone, as they are with a real
                 # process.
                 for node in current_graph().state(ProgramNodes).ids:
@@ -297,20 +302,6 @@ class Processes:
                 thread.join()
             if isinstance(reason, DeadlockError):
                 raise
-
-
-@contextmanager
-def _event_loop() -> Iterator[None]:
-    """Set an event loop in the calling thread, so that `asyncio.get_event_loop()` finds one."""
-    # Imported late, because programs that run alone do not need it.
-    import asyncio
-
-    loop = asyncio.new_event_loop()
-    asyncio.set_event_loop(loop)
-    try:
-        yield
-    finally:
-        loop.close()
 
 
 def make_shell() -> "InteractiveShell":

@@ -136,10 +136,15 @@ class ProgramThread:
             self.interrupt()
             return
         sleeps_left = 1 if self.at_end is AtEnd.SHUT_DOWN else SLEEPS_AFTER_THE_END
-        if self.at_end is AtEnd.STOP or self.sleeps_after_end > sleeps_left:
-            self._stop()
-        if self.waits_after_end > WAITS_AFTER_THE_END:
-            self._stop()
+        if (
+            self.at_end is AtEnd.STOP
+            or self.sleeps_after_end > sleeps_left
+            or self.waits_after_end > WAITS_AFTER_THE_END
+        ):
+            # A main thread that catches the interrupt is ended by the next one.
+            interrupts = (self.main or self.at_end is AtEnd.INTERRUPT) and not self.is_stopped
+            self.is_stopped = True
+            raise StoppedProgram if interrupts else StoppedThread
 
     def interrupt(self) -> None:
         """Interrupt as Ctrl+C does: call the program's handler or raise KeyboardInterrupt."""
@@ -161,12 +166,6 @@ class ProgramThread:
             describe_interruption(self.describe_unmet())
             self.is_polling = False
 
-    def _stop(self) -> None:
-        """End the thread. A main thread that catches the interrupt is ended by the next one."""
-        interrupts = (self.main or self.at_end is AtEnd.INTERRUPT) and not self.is_stopped
-        self.is_stopped = True
-        raise StoppedProgram if interrupts else StoppedThread
-
     def raise_pending(self) -> None:
         """Raise the exception that an interrupt, or another thread, has set for this thread."""
         if self.pending_error is not None:
@@ -186,10 +185,6 @@ class ProgramThread:
         if wait is None or wait.graph is not graph:
             return False
         return wait.is_expired or graph.ended or self.pending_error is not None or wait.ready()
-
-    def can_enter(self) -> bool:
-        """Return whether it is an ordinary thread whose wait is over, in any run."""
-        return self.is_ordinary and self.wait is not None and self.can_run(self.wait.graph)
 
 
 # Number of calls without a wait after which a loop of such calls lets time advance.
@@ -331,7 +326,9 @@ class TimeLock:
             del self._threads[_thread.get_ident()]
             # Without the main thread, time does not advance.
             if me.main:
-                successor = next((t for t in self._waiting if t.can_enter()), None)
+                ordinary = (t for t in self._waiting if t.is_ordinary)
+                ready = (t for t in ordinary if t.wait is not None and t.can_run(t.wait.graph))
+                successor = next(ready, None)
             else:
                 successor = self._runnable(me, current_graph()) or next(
                     (t for t in self._waiting if t.main), None

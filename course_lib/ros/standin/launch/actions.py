@@ -109,11 +109,11 @@ class ResetLaunchConfigurations(Action):
         launch_configurations: Mapping[Any, Some] | None = None,
         **options: Any,
     ) -> None:
+        pairs = (launch_configurations or {}).items()
+
         def do(context: LaunchContext) -> None:
-            pairs = (launch_configurations or {}).items()
-            configurations = {text_of(context, name): text_of(context, value) for name, value in pairs}
-            context.launch_configurations.clear()
-            context.launch_configurations.update(configurations)
+            kept = {text_of(context, name): text_of(context, value) for name, value in pairs}
+            _replace(context.launch_configurations, kept)
 
         super().__init__(do, **options)
 
@@ -310,11 +310,8 @@ class ExecuteLocal(Action):
         elif name in _PYTHON and program_arguments and not program_arguments[0].startswith("-"):
             context.runner.start_file(self, Path(program_arguments[0]), program_arguments[1:])
         else:
-            command, reason = (
-                shlex.join([program, *program_arguments]),
-                unavailable_reason(_PROJECTS.get(name, name)),
-            )
-            if reason:
+            command = shlex.join([program, *program_arguments])
+            if reason := unavailable_reason(_PROJECTS.get(name, name)):
                 raise NotHereError(f"`{command}` cannot run here: {reason}")
             raise NotHereError(
                 f"ExecuteProcess is not available here: `{command}` would run outside robot time. "

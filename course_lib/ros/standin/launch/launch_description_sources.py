@@ -76,17 +76,13 @@ def get_launch_description_from_python_launch_file(
     description = generate()
     # As in ROS, any entity is accepted.
     if not isinstance(description, LaunchDescriptionEntity):
+        is_plain = description is None or isinstance(description, str | int | float)
+        returned = repr(description) if is_plain else f"a {type(description).__name__}"
         raise InvalidPythonLaunchFileError(
-            f"generate_launch_description() in '{file}' returned {_short(description)}; end it "
+            f"generate_launch_description() in '{file}' returned {returned}; end it "
             "with: return LaunchDescription([...])"
         )
     return cast("LaunchDescription", description)
-
-
-def _short(value: object) -> str:
-    """Describe a value by its type, or by its representation if that is short."""
-    is_plain = value is None or isinstance(value, str | int | float)
-    return repr(value) if is_plain else f"a {type(value).__name__}"
 
 
 def get_launch_description_from_frontend_launch_file(

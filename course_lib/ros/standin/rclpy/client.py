@@ -106,10 +106,6 @@ class Client(ServiceEnd):
         with explain_interrupts(lambda: why):
             return wait_for_partner(self._course_node, self._course_is_ready, timeout_sec, awaited)
 
-    def _course_is_for_me(self, client: int) -> bool:
-        """Return whether a response belongs to a request of this client."""
-        return client == self._course_id
-
     def _course_take(self) -> Callable[[], object] | None:
         """Remove the oldest response and return the function that sets the result of its future."""
         if not self._course_queue:

@@ -1,10 +1,8 @@
 """Nodes, the units that ROS programs consist of."""
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from operator import attrgetter
-from types import FunctionType
 from typing import Any, Literal, TypedDict, TypeVar, cast
 
 from rcl_interfaces.msg import (
@@ -86,27 +84,6 @@ _SAME_NAME = (
 )
 
 
-# Properties of a node that rclpy reads, and its errors if a program's class has a method of this
-# name. rclpy raises some of them only when the node is spun.
-_READ_BY_RCLPY: Mapping[str, tuple[type[Exception], str]] = {
-    "handle": (TypeError, "'method' object does not support the context manager protocol"),
-    "context": (AttributeError, "'function' object has no attribute 'handle'"),
-    "executor": (AttributeError, "'function' object has no attribute 'wake'"),
-    "default_callback_group": (AttributeError, "'function' object has no attribute 'add_entity'"),
-    **dict.fromkeys(
-        ("timers", "subscriptions", "clients", "services", "guards", "waitables"),
-        (TypeError, "'method' object is not iterable"),
-    ),
-}
-
-
-def _reject_hidden_properties(kind: type) -> None:
-    """Raise rclpy's error for a class with a method named like a property that rclpy reads."""
-    for name, (error, text) in _READ_BY_RCLPY.items():
-        if isinstance(getattr(kind, name, None), FunctionType):
-            raise error(text)
-
-
 class NodeOptions(TypedDict, total=False):
     """The keyword arguments of Node."""
 
@@ -161,7 +138,7 @@ class Node:
         automatically_declare_parameters_from_overrides: bool = False,
         enable_logger_service: bool = False,
     ) -> None:
-        _reject_hidden_properties(type(self))
+        private_names.reject_hidden_properties(type(self))
         context = get_default_context() if context is None else context
         for flag in (use_global_arguments, enable_rosout):
             require_bool(flag)
@@ -914,27 +891,4 @@ def _require_callable(callback: object) -> None:
         raise TypeError("Callback must be callable, got {}", type(callback))
 
 
-def _list(entities: str) -> Callable[[Any], object]:
-    return lambda node: list(getattr(node, entities))
-
-
-_KEPT: dict[str, Callable[[Any], object]] = {
-    f"_{name}": _list(name)
-    for name in ("publishers", "subscriptions", "clients", "services", "timers", "guards")
-}
-_KEPT |= {name: attrgetter(f"_Node_{name}") for name in private_names.USES if name not in _KEPT}
-_KEPT |= {
-    name: attrgetter(f"_Node__parameter_store.{attribute}")
-    for name, attribute in {
-        "_parameters": "values",
-        "_descriptors": "descriptors",
-        "_parameter_overrides": "overrides",
-        "_parameter_event_publisher": "events",
-        "_pre_set_parameters_callbacks": "pre_set_callbacks",
-        "_on_set_parameters_callbacks": "on_set_callbacks",
-        "_post_set_parameters_callbacks": "post_set_callbacks",
-    }.items()
-}
-_KEPT["_context"] = attrgetter("context")
-_KEPT["_type_description_service"] = attrgetter("_Node__type_description_service")
-private_names.watch_names("Node", Node, private_names.USES, _KEPT)
+private_names.watch_names("Node", Node, private_names.USES, private_names.KEPT_BY_NODE)

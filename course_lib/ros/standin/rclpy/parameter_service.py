@@ -23,7 +23,7 @@ from course_lib.ros.messages.definitions import (
     typestore,
 )
 from rclpy.exceptions import ParameterNotDeclaredException, ParameterUninitializedException
-from rclpy.impl.node_handle import NodeInterface
+from rclpy.impl.node_handle import AnyNode
 from rclpy.logging import get_logger, get_logger_level, set_logger_level
 from rclpy.parameter import Parameter
 from rclpy.qos import qos_profile_parameters
@@ -41,7 +41,7 @@ SERVICES: dict[str, Any] = {
 class ParameterService:
     """The parameter services of a node. A node creates one by default."""
 
-    def __init__(self, node: NodeInterface) -> None:
+    def __init__(self, node: AnyNode) -> None:
         self._node = node
         for name, kind in SERVICES.items():
             answer = getattr(self, f"_{name}")
@@ -51,7 +51,7 @@ class ParameterService:
 
     def _describe_parameters(self, request: Any, response: Any) -> Any:
         """Describe all requested parameters, or none if one of them is not declared, as in ROS."""
-        node: Any = self._node
+        node = self._node
         if all(map(node.has_parameter, request.names)) or node._allow_undeclared_parameters:
             response.descriptors = self._node.describe_parameters(request.names)
         return response
@@ -84,8 +84,10 @@ class ParameterService:
         return response
 
     def __set_all(self, messages: list[Any]) -> SetParametersResult:
+        parameters = [Parameter.from_parameter_msg(message) for message in messages]
         try:
-            return self._node.set_parameters_atomically([Parameter.from_parameter_msg(m) for m in messages])
+            result: SetParametersResult = self._node.set_parameters_atomically(parameters)
+            return result
         except ParameterNotDeclaredException as error:
             return SetParametersResult(successful=False, reason=str(error))
 
@@ -93,7 +95,7 @@ class ParameterService:
 class LoggingService:
     """The services `get_logger_levels` and `set_logger_levels` of a node."""
 
-    def __init__(self, node: NodeInterface) -> None:
+    def __init__(self, node: AnyNode) -> None:
         node.create_service(GetLoggerLevels, f"{node.handle.name}/get_logger_levels", self._get)
         node.create_service(SetLoggerLevels, f"{node.handle.name}/set_logger_levels", self._set)
 
@@ -127,7 +129,7 @@ _HASH = re.compile(r"RIHS01_[0-9a-f]{64}")
 class TypeDescriptionService:
     """The service `get_type_description` of a node, unless a parameter of the node disables it."""
 
-    def __init__(self, node: NodeInterface) -> None:
+    def __init__(self, node: AnyNode) -> None:
         self._node = node
         name = START_TYPE_DESCRIPTION_SERVICE_PARAM
         if not node.has_parameter(name):

@@ -9,7 +9,7 @@ from rcl_interfaces.msg import ParameterDescriptor
 
 from rclpy.duration import Duration
 from rclpy.exceptions import ParameterAlreadyDeclaredException
-from rclpy.impl.node_handle import NodeInterface
+from rclpy.impl.node_handle import AnyNode
 from rclpy.qos import POLICIES, QoSPolicyEnum, QoSPolicyKind, QoSProfile
 
 
@@ -71,7 +71,7 @@ class QoSOverridingOptions:
 
 
 def apply_overrides(
-    node: NodeInterface,
+    node: AnyNode,
     kind: Literal["publisher", "subscription"],
     topic: str,
     profile: QoSProfile,

@@ -63,12 +63,9 @@ class ServiceEnd(Entity):
         self.__ends[0].claimed = f"rq{full_name}"
         self._course_queue: deque[tuple[int, int, bytes]] = deque()
         self.__events: ServiceEvents | None = None
+        self.__asks = asks
         self.__sent, self.__taken = _ASKING if asks else _ANSWERING
         self.__received_type = srv_type.Response if asks else srv_type.Request
-
-    def _course_require(self) -> None:
-        """Raise InvalidHandle if the service or client has been destroyed."""
-        self.__ends[0].require()
 
     def configure_introspection(
         self,
@@ -146,13 +143,10 @@ class ServiceEnd(Entity):
         if self.__events is not None:
             self.__events.publish(self.__sent, client, number, message)
 
-    def _course_is_for_me(self, client: int) -> bool:
-        """Return whether a message is addressed to this end. A service accepts all requests."""
-        return True
-
     def __receive(self, data: bytes, source_ns: int, received_ns: int) -> None:
         client, number = SERVICE_HEADER.unpack_from(data)
-        if self._course_is_for_me(client):
+        # A service accepts all requests, a client the responses to its own ones.
+        if not self.__asks or client == self._course_id:
             self._course_queue.append((client, number, data[SERVICE_HEADER.size :]))
             self._course_node.mark_ready(self)
 
@@ -168,7 +162,6 @@ class Service(ServiceEnd):
         """Send the response to a request. `header` identifies the request."""
         if not isinstance(response, self.srv_type.Response):
             raise TypeError
-        self._course_require()
         client, number = header
         self._course_send(client, number, response)
 

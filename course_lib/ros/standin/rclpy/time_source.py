@@ -7,7 +7,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 
 from course_lib.ros.notices import say
 from rclpy.clock import Clock, ROSClock
-from rclpy.impl.node_handle import NodeHandle, NodeInterface
+from rclpy.impl.node_handle import AnyNode, NodeHandle
 from rclpy.logging import get_logger
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -28,9 +28,9 @@ class TimeSource:
     group, so the clocks do not advance while a callback of that group runs.
     """
 
-    def __init__(self, *, node: NodeInterface | None = None) -> None:
+    def __init__(self, *, node: AnyNode | None = None) -> None:
         self._clock_sub: Subscription[ClockMessage] | None = None
-        self._node_weak_ref: weakref.ref[NodeInterface] | None = None
+        self._node_weak_ref: weakref.ref[AnyNode] | None = None
         # A dict serves as an ordered set.
         self._associated_clocks: dict[ROSClock, None] = {}
         self._last_time_set = Time(clock_type=ClockType.ROS_TIME)
@@ -59,7 +59,7 @@ class TimeSource:
             node.destroy_subscription(self._clock_sub)
             self._clock_sub = None
 
-    def attach_node(self, node: NodeInterface) -> None:
+    def attach_node(self, node: AnyNode) -> None:
         """Follow a node's `use_sim_time`. The parameter is declared if the node has not done so."""
         if not isinstance(getattr(node, "handle", None), NodeHandle):
             raise TypeError("Node must be of type rclpy.node.Node")
@@ -130,5 +130,5 @@ class TimeSource:
                 "use_sim_time to false."
             )
 
-    def _get_node(self) -> NodeInterface | None:
+    def _get_node(self) -> AnyNode | None:
         return None if self._node_weak_ref is None else self._node_weak_ref()

@@ -58,8 +58,8 @@ class Timer(Entity):
         self.__graph = node.graph
         self.__last_ns = clock.handle.now_ns
         self.__alarm: Alarm | None = None
-        # Whether the timer has become ready and has not been taken yet.
-        self.__due = False
+        # Whether a call is due that no executor has executed yet.
+        self._course_is_due = False
         self.__canceled = not autostart
         self.__hinted = False
         self._course_is_destroyed = False
@@ -93,9 +93,9 @@ class Timer(Entity):
 
     def _course_take(self) -> Callable[[], object] | None:
         """Return the callback if it is due, and schedule the next call in phase."""
-        if not self.__due:
+        if not self._course_is_due:
             return None
-        self.__due = False
+        self._course_is_due = False
         now_ns = self.__last_ns = self.clock.handle.now_ns
         self.__next_ns += self.__period_ns
         if self.__next_ns <= now_ns:
@@ -133,11 +133,6 @@ class Timer(Entity):
         self.__canceled = False
         self.__next_ns = self.clock.handle.now_ns + self.__period_ns
         self.__arm()
-
-    @property
-    def _course_is_due(self) -> bool:
-        """Whether a call is due that no executor has executed yet."""
-        return self.__due
 
     def is_canceled(self) -> bool:
         """Return whether the timer is cancelled."""
@@ -199,16 +194,16 @@ class Timer(Entity):
         elif self.__next_ns <= self.clock.handle.now_ns:
             self.__ring()
         else:
-            self.__due = False
+            self._course_is_due = False
 
     def __disarm(self) -> None:
-        self.__due = False
+        self._course_is_due = False
         if self.__alarm is not None:
             self.__alarm.cancel()
 
     def __ring(self) -> None:
-        if not self.__due:
-            self.__due = True
+        if not self._course_is_due:
+            self._course_is_due = True
             self._course_node.mark_ready(self)
 
 

@@ -2,16 +2,13 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 from xml.parsers import expat
 
 import yaml
 
 from course_lib.errors import did_you_mean
 from course_lib.third_party import read_bytes
-
-# The package has no type information.
-
 
 _WORDS: dict[type | None, str] = {
     str: "text; put quotes around it",
@@ -30,8 +27,8 @@ class EntityError(ValueError):
         self.line = line
 
 
-class Entity:
-    """An element with the tag `type_name`.
+class _Element:
+    """An element with the tag `type_name`, in XML or YAML.
 
     It records which attributes and children are read, because all others are errors.
     """
@@ -39,26 +36,6 @@ class Entity:
     def __init__(self, type_name: str, line: int) -> None:
         self.type_name, self.line = type_name, line
         self._asked: set[str] = set()
-
-    @property
-    def children(self) -> "Sequence[Entity]":
-        """The child elements."""
-        raise NotImplementedError
-
-    def named(self, name: str) -> "Sequence[Entity]":
-        """Return the child elements with a tag."""
-        raise NotImplementedError
-
-    def get(self, name: str, kind: type | None = str) -> Any:
-        """Return an attribute, or None.
-
-        Instead of a non-string, a string with substitutions is returned, too.
-        """
-        raise NotImplementedError
-
-    def refuse_rest(self, known: Sequence[str]) -> None:
-        """Raise an EntityError for an attribute or child element that has not been read."""
-        raise NotImplementedError
 
     def error(self, text: str) -> EntityError:
         """Create an error for this element."""
@@ -68,7 +45,7 @@ class Entity:
         return self.error(f"{name} is {value!r}, expected {_WORDS[kind]}")
 
 
-class XmlEntity(Entity):
+class XmlEntity(_Element):
     """An XML element. Its attributes are strings, which are converted to the requested type."""
 
     def __init__(self, type_name: str, line: int, attributes: dict[str, str]) -> None:
@@ -88,7 +65,10 @@ class XmlEntity(Entity):
         return [element for element in self.elements if element.type_name == name]
 
     def get(self, name: str, kind: type | None = str) -> Any:
-        """Return an attribute as the requested type; as a list if `name-sep` gives a separator."""
+        """Return an attribute as the requested type; as a list if `name-sep` gives a separator.
+
+        A string with substitutions is returned unchanged, and None if there is no such attribute.
+        """
         self._asked |= {name, f"{name}-sep"}
         text = self.attributes.get(name)
         if text is None:
@@ -123,7 +103,7 @@ class XmlEntity(Entity):
                 raise element.error(f"it is not expected in <{self.type_name}>")
 
 
-class YamlEntity(Entity):
+class YamlEntity(_Element):
     """A YAML element: a mapping or a list of elements. Its values already have types."""
 
     def __init__(self, type_name: str, line: int, value: Any, lines: dict[int, int]) -> None:
@@ -158,7 +138,7 @@ class YamlEntity(Entity):
         return [YamlEntity(name, self._lines.get(id(item), self.line), item, self._lines) for item in items]
 
     def get(self, name: str, kind: type | None = str) -> Any:
-        """Return the value of a key."""
+        """Return the value of a key, which may be a string with substitutions; None without the key."""
         self._asked.add(name)
         value = self._mapping().get(name)
         if value is not None and not isinstance(value, str) and not _fits(value, kind):
@@ -179,6 +159,10 @@ class YamlEntity(Entity):
                 raise self.error(_unexpected_message("key", str(name), known))
 
 
+# An element of a launch file. Both classes have the same methods.
+Entity: TypeAlias = XmlEntity | YamlEntity
+
+
 def _fits(value: object, kind: type | None) -> bool:
     if kind is None:
         return isinstance(value, str | bool | int | float | list)
@@ -192,9 +176,6 @@ def _unexpected_message(kind: str, name: str, known_names: Sequence[str]) -> str
         return f"unexpected {kind} 'doc'. This is a file of ROS 1: in ROS 2 it is description"
     there = f" It has: {', '.join(sorted(known_names))}." if known_names else ""
     return f"unexpected {kind} '{name}'{did_you_mean(name, known_names) or '.'}{there}"
-
-
-# The package has no type information.
 
 
 # Limit on the size of a file [bytes].

@@ -5,7 +5,7 @@ Each element has an action that it creates, and readers of its attributes.
 
 import re
 import shlex
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import partial
@@ -66,7 +66,7 @@ def parse_substitution(text: str) -> Parts:
     if not text:
         return [TextSubstitution(text="")]
     reader = _Reader(text)
-    parts = reader.template("")
+    parts = reader.read_parts(_STRING, "")
     if reader.at < len(text):
         reader.fail("the end")
     return parts
@@ -84,22 +84,19 @@ class _Reader:
         self.text, self.at = text, 0
         self._depth = 0
 
-    def template(self, quote: str) -> Parts:
-        """Parse text and substitutions up to the closing quote or the end."""
-        return self._read_parts(_STRING[quote], quote)
-
     def fail(self, expected: str) -> NoReturn:
         """Raise a ValueError for the current position."""
         excerpt = self.text[self.at : self.at + 20]
         found_text = f"found {excerpt!r}" if excerpt else "the text ends"
         raise ValueError(f"{self.text!r}, character {self.at + 1}: expected {expected}, {found_text}")
 
-    def _read_parts(self, pattern: re.Pattern[str], quote: str) -> Parts:
+    def read_parts(self, patterns: Mapping[str, re.Pattern[str]], quote: str) -> Parts:
+        """Parse substitutions and the text that `patterns` accepts inside of this quote."""
         parts: Parts = []
         while True:
             if self.text.startswith("$(", self.at):
                 parts.append(self._substitution(quote))
-            elif match := pattern.match(self.text, self.at):
+            elif match := patterns[quote].match(self.text, self.at):
                 self.at = match.end()
                 parts.append(TextSubstitution(text=unescape(match[0])))
             else:
@@ -127,11 +124,11 @@ class _Reader:
         opening = self.text[self.at : self.at + 1]
         if not quote and opening and opening in "'\"":
             self.at += 1
-            parts = self.template(opening)
+            parts = self.read_parts(_STRING, opening)
             if not self._skip(opening):
                 self.fail(f"the quote {opening} that ends the argument")
             return parts
-        parts = self._read_parts(_WORD[quote], quote)
+        parts = self.read_parts(_WORD, quote)
         if not parts:
             self.fail("an argument; between two there is one space")
         return parts

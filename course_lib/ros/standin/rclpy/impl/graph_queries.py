@@ -123,23 +123,18 @@ def describe(info: EndpointInfo, nodes: Iterable[NodeInfo]) -> TopicEndpointInfo
     profile = to_profile(info.qos)
     # Fast DDS does not transmit how many samples an endpoint keeps.
     profile.history, profile.depth = HistoryPolicy.UNKNOWN, 0
+    # A string like RIHS01_…, or None.
+    hash_text = info.type_hash()
+    version, _, value = (hash_text or "").removeprefix("RIHS").partition("_")
     return TopicEndpointInfo(
         node_name=node.name,
         node_namespace=node.namespace,
         topic_type=info.type_name,
-        topic_type_hash=_parse_hash(info.type_hash()),
+        topic_type_hash=TypeHash(int(version), bytes.fromhex(value)) if hash_text else TypeHash(),
         endpoint_type=kind,
         endpoint_gid=list(info.gid),
         qos_profile=profile,
     )
-
-
-def _parse_hash(text: str | None) -> TypeHash:
-    """Return the hash in a string like `RIHS01_…`, or an invalid hash for None."""
-    if text is None:
-        return TypeHash()
-    version, _, value = text.removeprefix("RIHS").partition("_")
-    return TypeHash(int(version), bytes.fromhex(value))
 
 
 def endpoints_on(

@@ -2,11 +2,9 @@
 
 import weakref
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol
-
-from rcl_interfaces.msg import SetParametersResult
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 from course_lib.ros.graph.graph import ProgramNodes
 from course_lib.ros.mistakes import Mistake
@@ -27,67 +25,8 @@ class HandledNode(Protocol):
         """The node's handle in the graph."""
 
 
-class NodeInterface(HandledNode, Protocol):
-    """The methods of a node that other modules of rclpy call.
-
-    A protocol, because `rclpy.node` imports these modules and they cannot import it.
-    """
-
-    @property
-    def get_name(self) -> Callable[[], str]:
-        """See `rclpy.node.Node.get_name`."""
-
-    @property
-    def create_service(self) -> Callable[..., Any]:
-        """See `rclpy.node.Node.create_service`."""
-
-    @property
-    def create_subscription(self) -> Callable[..., Any]:
-        """See `rclpy.node.Node.create_subscription`."""
-
-    @property
-    def destroy_subscription(self) -> Callable[..., bool]:
-        """See `rclpy.node.Node.destroy_subscription`."""
-
-    @property
-    def declare_parameter(self) -> Callable[..., Any]:
-        """See `rclpy.node.Node.declare_parameter`."""
-
-    @property
-    def has_parameter(self) -> Callable[[str], bool]:
-        """See `rclpy.node.Node.has_parameter`."""
-
-    @property
-    def get_parameter(self) -> Callable[[str], Any]:
-        """See `rclpy.node.Node.get_parameter`."""
-
-    @property
-    def get_parameters(self) -> Callable[[Sequence[str]], list[Any]]:
-        """See `rclpy.node.Node.get_parameters`."""
-
-    @property
-    def get_parameter_types(self) -> Callable[[Sequence[str]], list[int]]:
-        """See `rclpy.node.Node.get_parameter_types`."""
-
-    @property
-    def describe_parameters(self) -> Callable[[Sequence[str]], list[Any]]:
-        """See `rclpy.node.Node.describe_parameters`."""
-
-    @property
-    def list_parameters(self) -> Callable[[list[str], int], Any]:
-        """See `rclpy.node.Node.list_parameters`."""
-
-    @property
-    def set_parameters(self) -> Callable[[list[Any]], list[Any]]:
-        """See `rclpy.node.Node.set_parameters`."""
-
-    @property
-    def set_parameters_atomically(self) -> Callable[[list[Any]], SetParametersResult]:
-        """See `rclpy.node.Node.set_parameters_atomically`."""
-
-    @property
-    def add_on_set_parameters_callback(self) -> Callable[[Callable[..., Any]], None]:
-        """See `rclpy.node.Node.add_on_set_parameters_callback`."""
+# A `rclpy.node.Node` in the modules that `rclpy.node` imports, which therefore cannot import it.
+AnyNode: TypeAlias = Any
 
 
 class NodeExecutor(TaskRunner, Protocol):

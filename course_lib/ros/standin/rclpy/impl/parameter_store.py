@@ -186,7 +186,10 @@ def _require_declaration(index: int, item: Any) -> None:
 
 
 def _declaration(name: str, *more: Any, namespace: str) -> tuple[str, Any, ParameterDescriptor]:
-    """Read (name), (name, value) or (name, value, descriptor). A missing value becomes None."""
+    """Read (name), (name, value) or (name, value, descriptor). A missing value becomes None.
+
+    The descriptor's type is the type of the value, or the type that is passed instead of a value.
+    """
     name = f"{namespace}.{name}" if namespace else name
     if not name:
         raise InvalidParameterException(name)
@@ -194,15 +197,7 @@ def _declaration(name: str, *more: Any, namespace: str) -> tuple[str, Any, Param
     if not more:
         warnings.warn(_NAME_ONLY.format(name), stacklevel=5)
         descriptor = ParameterDescriptor(dynamic_typing=True)
-    return name, *_resolve_type(name, value, descriptor or ParameterDescriptor())
-
-
-def _resolve_type(
-    name: str,
-    value: Any,
-    descriptor: ParameterDescriptor,
-) -> tuple[Any, ParameterDescriptor]:
-    """Set a descriptor's type to the value's type, or to the type passed instead of a value."""
+    descriptor = descriptor or ParameterDescriptor()
     if isinstance(value, Parameter.Type):
         if value is Parameter.Type.NOT_SET:
             raise ValueError(f"Cannot declare parameter {{{name}}} as statically typed of type NOT_SET")
@@ -212,14 +207,14 @@ def _resolve_type(
                 "with`dynamic_typing=True` is not allowed when the parameter type is provided"
             )
         descriptor.type = value.value
-        return None, descriptor
+        return name, None, descriptor
     if not descriptor.dynamic_typing:
         descriptor.type = Parameter.Type.from_parameter_value(value).value
         if value is None:
             raise ValueError(
                 "Cannot declare a statically typed parameter with default value of type PARAMETER_NOT_SET"
             )
-    return value, descriptor
+    return name, value, descriptor
 
 
 def _refusal(

@@ -1,4 +1,4 @@
-"""Detection of rclpy's private names in subclasses of Node and Executor, which break on a robot.
+"""Names of rclpy's own Node and Executor that a student's subclass uses, which breaks on a robot.
 
 The stand-in keeps its own state under other names, so such a class would work here. Each name is a
 descriptor of the class that reports assignments. Python calls a descriptor only for its own
@@ -6,8 +6,11 @@ attribute, so nothing else becomes slower.
 """
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
+from functools import partial
+from operator import attrgetter
+from types import FunctionType
 from typing import Any
 
 from course_lib.ros.notices import say
@@ -46,6 +49,32 @@ USES = {
         _PARAMETERS,
     ),
 }
+
+
+def _list_of(entities: str, node: Any) -> list[Any]:
+    return list(getattr(node, entities))
+
+
+# The values that the stand-in keeps under other names, for programs that read them.
+KEPT_BY_NODE: dict[str, Callable[[Any], object]] = {
+    f"_{name}": partial(_list_of, name)
+    for name in ("publishers", "subscriptions", "clients", "services", "timers", "guards")
+}
+KEPT_BY_NODE |= {name: attrgetter(f"_Node_{name}") for name in USES if name not in KEPT_BY_NODE}
+KEPT_BY_NODE |= {
+    name: attrgetter(f"_Node__parameter_store.{attribute}")
+    for name, attribute in {
+        "_parameters": "values",
+        "_descriptors": "descriptors",
+        "_parameter_overrides": "overrides",
+        "_parameter_event_publisher": "events",
+        "_pre_set_parameters_callbacks": "pre_set_callbacks",
+        "_on_set_parameters_callbacks": "on_set_callbacks",
+        "_post_set_parameters_callbacks": "post_set_callbacks",
+    }.items()
+}
+KEPT_BY_NODE["_context"] = attrgetter("context")
+KEPT_BY_NODE["_type_description_service"] = attrgetter("_Node__type_description_service")
 METHODS = dict.fromkeys(
     (
         "_apply_descriptor",
@@ -181,3 +210,24 @@ def check_class(base: str, cls: type, names: dict[str, str]) -> None:
     """Report private names of rclpy's `base` that the body of a subclass defines."""
     for name in sorted(names.keys() & vars(cls).keys()):
         notice(base, cls.__name__, name, names[name], "")
+
+
+# Properties of a node that rclpy reads, and its errors if a program's class has a method of this
+# name. rclpy raises some of them only when the node is spun.
+_READ_BY_RCLPY: Mapping[str, tuple[type[Exception], str]] = {
+    "handle": (TypeError, "'method' object does not support the context manager protocol"),
+    "context": (AttributeError, "'function' object has no attribute 'handle'"),
+    "executor": (AttributeError, "'function' object has no attribute 'wake'"),
+    "default_callback_group": (AttributeError, "'function' object has no attribute 'add_entity'"),
+    **dict.fromkeys(
+        ("timers", "subscriptions", "clients", "services", "guards", "waitables"),
+        (TypeError, "'method' object is not iterable"),
+    ),
+}
+
+
+def reject_hidden_properties(kind: type) -> None:
+    """Raise rclpy's error for a class with a method named like a property that rclpy reads."""
+    for name, (error, text) in _READ_BY_RCLPY.items():
+        if isinstance(getattr(kind, name, None), FunctionType):
+            raise error(text)
