@@ -386,8 +386,9 @@ class Primitive:
     def dtype(self) -> "np.dtype[np.generic]":
         """The numpy type of an element."""
         # Through its size: numpy prints the dtype of the code "q", although it is the usual one of
-        # integers.
-        return np.dtype(np.dtype(self.code or bool).str)
+        # integers. In one call, mypy takes 4 s to combine numpy's overloads.
+        numpy_type: np.dtype[np.generic] = np.dtype(self.code) if self.code else np.dtype(np.bool_)
+        return np.dtype(numpy_type.str)
 
 
 def _integer(ros_name: str, code: str) -> Primitive:
