@@ -104,18 +104,18 @@ class Question:
         return next((answer for answer in self.answers if answer.text == text), None)
 
 
-def read_quiz(name: str) -> tuple[Question, ...]:
-    """Read the questions in `exercises/quizzes/<name>.toml`.
+def read_quiz(name: str, kind: str = "question") -> tuple[Question, ...]:
+    """Read the questions in `exercises/quizzes/<name>.toml`, or its predictions.
 
     Raises:
         CourseError: The quiz does not exist, or a question does not have exactly one right answer.
     """
-    return _read(name, "question")
-
-
-def read_predictions(name: str) -> tuple[Question, ...]:
-    """Read the predictions of a lesson like "week01"."""
-    return _read(name, "prediction")
+    folder = exercises_dir() / "quizzes"
+    path = folder / f"{name}.toml"
+    if not path.is_file():
+        known_quizzes = ", ".join(sorted(quiz.stem for quiz in folder.glob("*.toml")))
+        raise CourseError(f"there is no quiz {name!r}. Quizzes: {known_quizzes}")
+    return read_questions(path, kind)
 
 
 def read_prediction(key: str) -> Question:
@@ -125,20 +125,11 @@ def read_prediction(key: str) -> Question:
         CourseError: The prediction does not exist or does not have exactly one right answer.
     """
     name, _, question_key = key.partition(".")
-    predictions = {question.key: question for question in read_predictions(name)}
+    predictions = {question.key: question for question in read_quiz(name, "prediction")}
     if question_key not in predictions:
         known_keys = ", ".join(f"{name}.{other}" for other in predictions) or "none"
         raise CourseError(f"there is no prediction {key!r}. Predictions of {name}: {known_keys}")
     return predictions[question_key]
-
-
-def _read(name: str, kind: str) -> tuple[Question, ...]:
-    folder = exercises_dir() / "quizzes"
-    path = folder / f"{name}.toml"
-    if not path.is_file():
-        known_quizzes = ", ".join(sorted(quiz.stem for quiz in folder.glob("*.toml")))
-        raise CourseError(f"there is no quiz {name!r}. Quizzes: {known_quizzes}")
-    return read_questions(path, kind)
 
 
 def read_questions(path: Path, kind: str) -> tuple[Question, ...]:
@@ -337,14 +328,8 @@ def quiz(week: str) -> None:
         CourseError: There is no quiz of this name.
     """
     questions = read_quiz(week)
-    show_form(lambda: _quiz_form(week, questions), as_text(questions))
-
-
-def as_text(questions: tuple[Question, ...]) -> str:
-    """Return the questions as text for pages without widgets."""
-    return _as_text(
-        [AnsweredQuestion(f"{n}. {question.text}", question) for n, question in enumerate(questions, 1)]
-    )
+    rows = [AnsweredQuestion(f"{n}. {question.text}", question) for n, question in enumerate(questions, 1)]
+    show_form(lambda: _quiz_form(week, questions), _as_text(rows))
 
 
 class AnsweredQuestion(NamedTuple):

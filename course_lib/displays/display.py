@@ -258,6 +258,7 @@ class Display(PropertyHolder):
     def __repr__(self) -> str:
         return f"<{self.name} ({self.class_name})>"
 
+    @property
     def _expression(self) -> str:
         return f'viewer["{self.name}"]'
 
@@ -383,11 +384,6 @@ def is_deliverable(sample: Sample, subscription: Subscription, match_qos: bool) 
     return problem is None
 
 
-def topic_properties(default: str = "") -> tuple[Property, ...]:
-    """Return the properties of a display that subscribes to one topic without a message filter."""
-    return (*Display.properties, *qos_properties(default))
-
-
 def qos_properties(default: str = "", label: str = "Topic") -> tuple[Property, ...]:
     """Return RViz's Topic property with the quality of service below it."""
     return (
@@ -423,7 +419,7 @@ class TopicDisplay(Display):
     status_label: ClassVar[str] = "Topic"
     # Property with the length of the queue.
     queue_label: ClassVar[str] = ""
-    properties = topic_properties()
+    properties = (*Display.properties, *qos_properties())
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
@@ -605,7 +601,7 @@ class TopicDisplay(Display):
 # RViz2's reason for a message that is older than tf2's cache of 10 s.
 OUT_OF_CACHE = "the timestamp on the message is earlier than all the data in the transform cache"
 QUEUE_LABEL = "Topic/Filter size"
-FILTER_PROPERTIES = (*topic_properties(), Property(QUEUE_LABEL, 10, integer(1)))
+FILTER_PROPERTIES = (*TopicDisplay.properties, Property(QUEUE_LABEL, 10, integer(1)))
 # The number of messages that are drawn again with each new one.
 _SHORT_HISTORY = 20
 

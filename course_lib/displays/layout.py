@@ -171,6 +171,7 @@ class Options(PropertyHolder):
         set_option: Called with the label and the value of a changed property.
     """
 
+    _expression = "viewer.options"
     properties = (
         Property("Fixed Frame", "base_link", frame),
         Property("Background Color", (48, 48, 48), color),
@@ -185,9 +186,6 @@ class Options(PropertyHolder):
         self._values = dict(zip(self._values, values, strict=True))
         self._set_option = set_option
         self.config = config
-
-    def _expression(self) -> str:
-        return "viewer.options"
 
     def __repr__(self) -> str:
         return "Global Options"

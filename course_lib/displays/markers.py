@@ -18,10 +18,11 @@ from course_lib.displays.display import (
     FILTER_PROPERTIES,
     QUEUE_LABEL,
     Context,
+    Display,
     Subscription,
     TopicDisplay,
     node_name,
-    topic_properties,
+    qos_properties,
 )
 from course_lib.displays.frames import NS, is_unit, nanoseconds, pose_in_fixed_frame
 from course_lib.displays.images import decode_compressed
@@ -775,7 +776,7 @@ class MarkerArrayDisplay(_Markers):
 
     class_name = "rviz_default_plugins/MarkerArray"
     type_name = MARKER_ARRAY
-    properties = (*topic_properties("visualization_marker_array"), _NAMESPACES)
+    properties = (*Display.properties, *qos_properties("visualization_marker_array"), _NAMESPACES)
 
     def process(self, message: Any) -> None:
         """Show an array."""

@@ -31,8 +31,9 @@ class KnownAttributes:
                 raise CourseError(f"{self!r} has no attribute {name!r}.{write}")
         super().__setattr__(name, value)
 
+    @property
     def _expression(self) -> str:
-        """Return the expression for the object as written in lessons."""
+        """The expression for the object as written in lessons."""
         return type(self).__name__.lower()
 
     def _suggest(self, name: str) -> str:
@@ -45,7 +46,7 @@ class KnownAttributes:
             if getattr(getattr(kind, attribute, None), "fset", None) is not None
         ]
         similar = nearest(name, settable, 0.6)
-        return f"{self._expression()}.{similar}" if similar else ""
+        return f"{self._expression}.{similar}" if similar else ""
 
 
 Color: TypeAlias = tuple[int, int, int]  # RGB, 0..255
@@ -246,7 +247,7 @@ class PropertyHolder(KnownAttributes):
     def _suggest(self, name: str) -> str:
         labels = {prop.path[-1].replace(" ", "_"): prop.label for prop in self.properties}
         label = labels.get(nearest(name, labels, 0.6), "") or labels.get(name, "")
-        return f'{self._expression()}["{label}"]' if label else super()._suggest(name)
+        return f'{self._expression}["{label}"]' if label else super()._suggest(name)
 
     def is_shown(self, prop: Property) -> bool:
         """Return whether the panel has a row for a property. RViz hides rows without an effect."""

@@ -55,6 +55,7 @@ class ViewController(PropertyHolder):
     """
 
     class_name: ClassVar[str]
+    _expression = "viewer.view"
     properties: tuple[Property, ...] = COMMON
 
     # Upward shift of the camera in the image, as a fraction of the distance.
@@ -74,9 +75,6 @@ class ViewController(PropertyHolder):
     def on_changed(self, label: str) -> None:
         """Show the change."""
         self.on_change()
-
-    def _expression(self) -> str:
-        return "viewer.view"
 
     def __repr__(self) -> str:
         return self.class_name.rpartition("/")[2]

@@ -152,7 +152,10 @@ class Advice:
                 skipped.
             caught: The errors that the student's code caught.
         """
-        causes = _first_cause(result)
+        # The first failure that does not follow from another one.
+        failing = (check for check in result.checks if not check.passed and check.mistake != NEEDS_ANOTHER)
+        first = next(failing, None)
+        causes = first.mistake.split("; ") if first is not None else []
         if result.errors:
             # The cell and the line change from run to run.
             causes = [re.sub(r" \((cell In\[\d+\], )?line \d+.*", "", result.errors[0], flags=re.DOTALL)]
@@ -177,7 +180,12 @@ class Advice:
         if not slip and not result.errors:
             slip = _missing_subscription_hint(task, code) or _late_timer_hint(task, source)
         if not slip and (too_much or not result.errors):
-            slip = _growing_list_hint(task, result, source)
+            # A list that gets one item in each call is a reason only if a check found too many or old items.
+            failed = {
+                kind for check in result.checks if not check.passed for kind in check.mistake.split("; ")
+            }
+            found_surplus = bool(failed & (_OLD_ITEMS | _SURPLUS - set(task.mistakes)))
+            slip = find_growing_list(source, is_certain=not found_surplus)
         best_hint = slip or next((text for text in texts if text and not code.follows(text)), "")
         lines = [f"Hint: {best_hint}"] if best_hint else []
         if before is not None and (now.passed, now.fraction) > (before.passed, before.fraction):
@@ -364,24 +372,6 @@ def _silence_hint(code: Code) -> str:
         "Is your callback ever called, and does it get as far as publish()? Check that the timer's "
         "period is in seconds, then print something in the callback."
     )
-
-
-def _growing_list_hint(task: Task, result: TaskResult, source: str) -> str:
-    """Return a sentence about a list that grows, or "".
-
-    A list that gets one item in each call is a reason only if a failed check found too many or old
-    items.
-    """
-    failed = {kind for check in result.checks if not check.passed for kind in check.mistake.split("; ")}
-    found_surplus = bool(failed & (_OLD_ITEMS | _SURPLUS - set(task.mistakes)))
-    return find_growing_list(source, is_certain=not found_surplus)
-
-
-def _first_cause(result: TaskResult) -> list[str]:
-    """Return the kinds of mistakes of the first check whose failure does not follow from another one."""
-    failing = (check for check in result.checks if not check.passed and check.mistake != NEEDS_ANOTHER)
-    first = next(failing, None)
-    return first.mistake.split("; ") if first is not None else []
 
 
 def _hint_by_cause(task: Task, mistake: str) -> str:

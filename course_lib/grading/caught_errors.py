@@ -42,11 +42,6 @@ class Handler:
     kinds: frozenset[str]
     is_silent: bool = True
 
-    @property
-    def catches_all(self) -> bool:
-        """Whether mistakes in the code are among the errors that it catches."""
-        return bool(self.kinds & _ALL_ERRORS)
-
 
 class CaughtErrors:
     """The errors that a student's handlers hide while the `with` block runs.
@@ -95,7 +90,7 @@ class CaughtErrors:
                 before, error.__traceback__ = error.__traceback__, trace
                 text = f'"{handler.head}" hides this error: {describe(error)}'
                 error.__traceback__ = before
-                if handler.catches_all and isinstance(error, _MISTAKES):
+                if handler.kinds & _ALL_ERRORS and isinstance(error, _MISTAKES):
                     self.mistake = text
                 elif _is_late():
                     self.other = text

@@ -16,7 +16,7 @@ from course_lib.grading.run.run import Job, plan_scenarios, run_scenarios
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.submissions.notebook import NOT_SUBMITTED, CodeCell, own_modules, parse_notebook
 from course_lib.grading.submissions.submission import NO_EXERCISE, unpack
-from course_lib.grading.task import Task, shipped_catalog
+from course_lib.grading.task import shipped_catalog
 
 WEEK = re.compile(r"week\d\d")
 NOT_CHECKED = "{0.id} ({0.title}): not checked, because {0.name} cannot run; the reason is above."
@@ -49,11 +49,16 @@ def check_file(path: Path) -> bool:
     parts: list[object] = [*causes.lines()]
     parts += map(NOT_SUBMITTED.format, own_modules(path, notebook.cells))
     advice = Advice()
+    cells = [CodeCell(number, text, True) for number, text in enumerate(notebook.cells, 1)]
     for task, result in zip(tasks, judgement.tasks, strict=True):
         save_progress(task, result, notebook.cells, student)
         evidence = [run.evidence for run in exercise_run.runs if run.evidence.task == task.id]
         follows = causes.is_only_cause(result)
-        table = table_of(task, result, evidence, student, advice, _source_of(task, notebook.cells))
+        # The object that `check` gets may have another name than the task's.
+        arguments = [cell.checks[task.id] for cell in cells if task.id in cell.checks]
+        name = getattr(arguments[-1], "id", "") if arguments else task.name
+        own_source = source_in_cells(name, notebook.cells, task.week)
+        table = table_of(task, result, evidence, student, advice, own_source)
         parts.append(NOT_CHECKED.format(task) if follows else table)
     if identity and student != identity:
         parts.append(
@@ -62,14 +67,6 @@ def check_file(path: Path) -> bool:
         )
     print(*parts, sep="\n\n")  # noqa: T201
     return all(result.passed for result in judgement.tasks)
-
-
-def _source_of(task: Task, cells: Sequence[str]) -> str:
-    """Return the source of the class or function that is checked, or "" if no cell defines it."""
-    parsed = [CodeCell(number, text, True) for number, text in enumerate(cells, 1)]
-    arguments = [cell.checks[task.id] for cell in parsed if task.id in cell.checks]
-    name = getattr(arguments[-1], "id", "") if arguments else task.name
-    return source_in_cells(name, cells, task.week)
 
 
 _UNKNOWN_NAME = re.compile(r"NameError: name '(\w+)' is not defined")

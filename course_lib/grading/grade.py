@@ -122,7 +122,12 @@ def run_preflight(
     if may_run and trials:
         evidence_paths = _run(trials, out, runner)
     else:
-        evidence_paths = {trial: path for trial in trials if (path := _find_earlier(trial, out)) is not None}
+        earlier = {trial: list((out / FOLDER).glob(f"{trial.job.key}-*.msgpack.gz")) for trial in trials}
+        evidence_paths = {
+            trial: max(paths, key=lambda path: path.stat().st_mtime)
+            for trial, paths in earlier.items()
+            if paths
+        }
         untested = (f"{trial.name} of {trial.exercise}" for trial in trials if trial not in evidence_paths)
         notes += [f"Not tested: {description}, because --rejudge runs nothing" for description in untested]
     futures = {
@@ -211,14 +216,6 @@ def _run(trials: Iterable[Trial], out: Path, runner: Executor) -> dict[Trial, Pa
         with store.writing(out):
             write_atomically(path, evidence)
     return evidence_paths
-
-
-def _find_earlier(trial: Trial, out: Path) -> Path | None:
-    return max(
-        (out / FOLDER).glob(f"{trial.job.key}-*.msgpack.gz"),
-        default=None,
-        key=lambda path: path.stat().st_mtime,
-    )
 
 
 def _summarize(result: TaskResult, *, is_solution: bool) -> str:

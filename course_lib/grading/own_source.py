@@ -51,17 +51,13 @@ def is_from_cell(subject: Any, cell: str) -> bool:
         return True
     definitions = dict(_definitions(cell))
     if not definitions:
-        return _is_valid(cell)
+        try:
+            ast.parse(without_magics(cell))
+        except (SyntaxError, ValueError):
+            return False
+        return True
     # A definition in a block, like the body of an if, is not a top-level statement.
     return definitions.get(subject.__name__, found[0]) == found[0]
-
-
-def _is_valid(cell: str) -> bool:
-    try:
-        ast.parse(without_magics(cell))
-    except (SyntaxError, ValueError):
-        return False
-    return True
 
 
 def source_in_cells(name: str, cells: Sequence[str], week: str) -> str:

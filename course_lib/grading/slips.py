@@ -556,11 +556,14 @@ def _waiting_loops(function: Function) -> Iterator[str]:
                 )
 
 
+_ENDLESS = ("True", "1", "rclpy.ok()", "not rospy.is_shutdown()")
+
+
 def _endless_loops(function: Function) -> Iterator[str]:
     """Yield a sentence for each loop that publishes and never ends, as ROS 1 programs have it."""
     for node in ast.walk(function):
         match node:
-            case ast.While(test=test, body=body) if _is_endless(test) and not _leaves(body):
+            case ast.While(test=test, body=body) if ast.unparse(test) in _ENDLESS and not _leaves(body):
                 methods = {
                     call.func.attr
                     for call in ast.walk(node)
@@ -574,10 +577,6 @@ def _endless_loops(function: Function) -> Iterator[str]:
                         f'"while {ast.unparse(test)}" in {function.name} never ends, so that no callback of '
                         "the node is called. A timer repeats the work: self.create_timer(period, function)."
                     )
-
-
-def _is_endless(test: ast.expr) -> bool:
-    return ast.unparse(test) in ("True", "1", "rclpy.ok()", "not rospy.is_shutdown()")
 
 
 def _leaves(body: Sequence[ast.stmt]) -> bool:

@@ -10,7 +10,6 @@ from course_lib.course.questions import (
     Question,
     _quiz_form,
     quiz,
-    read_predictions,
     read_quiz,
     verdict,
 )
@@ -31,7 +30,7 @@ def test_quizzes_recalls_and_reviews_have_the_documented_number_of_questions(pat
 
 @pytest.mark.parametrize("path", QUIZZES, ids=lambda path: path.stem)
 def test_every_quiz_answer_has_an_explanation(path: Path) -> None:
-    for question in (*read_quiz(path.stem), *read_predictions(path.stem)):
+    for question in (*read_quiz(path.stem), *read_quiz(path.stem, "prediction")):
         assert 2 <= len(question.answers) <= 5
         assert all(len(answer.reason) > 20 for answer in question.answers)
 

@@ -145,15 +145,13 @@ class ViewerCell:
         self._close_callbacks += [desk.close, time_panel.close, close]
 
     def _widget(self, viewer: object) -> "SceneWidget":
-        # The page may have closed it.
-        if self._view is None or self._view.comm is None:
-            self._view = self._create_widget(viewer)
-        self._view.keeps = viewer
-        return self._view
-
-    def _create_widget(self, viewer: object) -> "SceneWidget":
+        """Return the view for a cell's output; it keeps the viewer alive as long as a page shows it."""
         from course_lib.viewer.widget import SceneWidget
 
+        if self._view is not None and self._view.comm is not None:
+            self._view.keeps = viewer
+            return self._view
+        # There is none yet, or the page has closed it.
         pace.pages.add(self._is_displayed)
         pace.views.add(self._is_displayed)
         view = SceneWidget(self._session.context.scene, label="RViz view")
@@ -166,7 +164,8 @@ class ViewerCell:
                 view.keeps = None
                 _remove_from_history(owner)
 
-        view.on_views = on_views
+        view.on_views, view.keeps = on_views, viewer
+        self._view = view
         return view
 
     def _click(self, click: Click) -> None:

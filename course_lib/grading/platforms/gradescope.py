@@ -22,7 +22,6 @@ from course_lib.course.exercise import normalise
 from course_lib.course.material import DISTRIBUTION, checkout_root, course_package
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
-from course_lib.grading.evidence import Check
 from course_lib.grading.grade import grade
 from course_lib.grading.jail.filters import Need
 from course_lib.grading.judge import HIDDEN_ERROR
@@ -35,7 +34,7 @@ from course_lib.grading.submissions.collect import PlatformTime, collect, write_
 from course_lib.grading.submissions.readers import FOLDERS
 from course_lib.grading.submissions.roster import read_class_list
 from course_lib.grading.submissions.submission import find_submissions
-from course_lib.grading.task import Catalog, Task
+from course_lib.grading.task import Catalog
 from course_lib.grading.vocabulary.markers import is_personal
 from course_lib.third_party import read_json
 
@@ -260,7 +259,12 @@ def _without_personal_points(
     for task in result.judgement.tasks:
         declared = catalog.task(task.task)
         scenarios = (*declared.scenarios, *catalog.hidden.get(task.task, ()))
-        id_needs = [_needs_id(check, declared) for scenario in scenarios for check in scenario.checks]
+        # A check whose call is not recorded may use a personal value.
+        id_needs = [
+            declared.personal and (check.origin is None or is_personal(check.origin.arguments))
+            for scenario in scenarios
+            for check in scenario.checks
+        ]
         checks = [
             replace(check, score=0.0, message=NEEDS_ID, mistake=NEEDS_ID) if needs_id else check
             for check, needs_id in zip(task.checks, id_needs, strict=True)
@@ -275,11 +279,6 @@ def _without_personal_points(
         WITHHELD.format(round(sum(waiting.values()), 2), ", ".join(waiting)) if waiting else NOTHING_WITHHELD
     )
     return MarkedResult(reduced), NOT_IN_ROSTER.format(address) + about
-
-
-def _needs_id(check: Check, task: Task) -> bool:
-    """Return whether a check uses a personal value, or may, because its call is not recorded."""
-    return bool(task.personal) and (check.origin is None or is_personal(check.origin.arguments))
 
 
 def _ungraded_results(text: str) -> dict[str, Any]:

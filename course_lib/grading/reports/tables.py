@@ -217,28 +217,23 @@ Key = tuple[str, str, str, bool]  # task, title, scenario, hidden
 
 
 def _items(task_results: Iterable[Sequence[TaskResult]], *, of_checks: bool) -> Iterator[Item]:
+    """Yield the statistics of each automatically marked task, or of each of its checks."""
     scores, rests = defaultdict[Key, list[float]](list), defaultdict[Key, list[float]](list)
     for tasks in task_results:
         total = sum(task.points * task.fraction for task in tasks)
-        for key, score, points in (part for task in tasks for part in _scored_parts(task, of_checks)):
-            scores[key].append(score)
-            rests[key].append(total - points)
+        for task in tasks:
+            weights = sum(check.weight for check in task.checks)
+            if weights and not of_checks:
+                key: Key = (task.task, "", "", False)
+                scores[key].append(task.fraction)
+                rests[key].append(total - task.points * task.fraction)
+            for check in task.checks if weights and of_checks else ():
+                key = (task.task, check.title, check.scenario, check.hidden)
+                scores[key].append(check.score)
+                rests[key].append(total - task.points * check.weight * check.score / weights)
     for key, task_scores in scores.items():
         rate = sum(score >= 1 for score in task_scores) / len(task_scores)
         yield Item(*key, len(task_scores), rate, fmean(task_scores), correlation(task_scores, rests[key]))
-
-
-def _scored_parts(task: TaskResult, of_checks: bool) -> Iterator[tuple[Key, float, float]]:
-    """Yield key, score and points of a task, or of each of its checks."""
-    weights = sum(check.weight for check in task.checks)
-    if not weights:
-        return
-    if not of_checks:
-        yield (task.task, "", "", False), task.fraction, task.points * task.fraction
-        return
-    for check in task.checks:
-        points = task.points * check.weight * check.score / weights
-        yield (task.task, check.title, check.scenario, check.hidden), check.score, points
 
 
 def correlation(scores: Sequence[float], rests: Sequence[float]) -> float | None:

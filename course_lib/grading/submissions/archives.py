@@ -100,14 +100,6 @@ def read_member(archive: zipfile.ZipFile, member: zipfile.ZipInfo | str, max_byt
         raise CourseError(f"can't be unpacked: {error}") from error
 
 
-def _check_content(archive: zipfile.ZipFile) -> None:
-    """Raise a CourseError for an archive without files, or with files of the operating system only."""
-    names = [name for name in map(_member_name, archive.infolist()) if not name.endswith(("/", "\\"))]
-    if all(any(map(_is_junk, name.replace("\\", "/").split("/"))) for name in names):
-        which = f" except {names[0]}, which a program has added" if names else ""
-        raise CourseError(f"it contains no files{which}")
-
-
 def _check_count(count: int, max_count: int) -> None:
     if count > max_count:
         raise CourseError(f"it has {count} files, expected at most {MAX_MEMBERS}")
@@ -211,7 +203,14 @@ class ReceivedFileReader:
                 elif depth >= MAX_DEPTH:
                     raise CourseError("archives are nested too deeply")
                 else:
-                    _check_content(archive)
+                    names = [
+                        name
+                        for name in map(_member_name, archive.infolist())
+                        if not name.endswith(("/", "\\"))
+                    ]
+                    if all(any(map(_is_junk, name.replace("\\", "/").split("/"))) for name in names):
+                        which = f" except {names[0]}, which a program has added" if names else ""
+                        raise CourseError(f"it contains no files{which}")
                     for inner in self._members(archive, arrival.components):
                         yield from self._open(inner, depth + 1)
         except CourseError as error:
@@ -285,7 +284,12 @@ class ReceivedFileReader:
         content = without_outputs(data) if len(data) <= _limit(parts) else data
         if len(content) <= MAX_BYTES:
             return content
-        self.refuse("/".join(parts), f"it has more than {MAX_BYTES:,} bytes{_size_advice(parts, data)}")
+        advice = ""
+        if is_notebook_name(parts[-1]):
+            advice = " without its outputs. Remove everything that is not part of the exercise"
+            if len(data) > MAX_WITH_OUTPUTS:
+                advice = f", and more than {MAX_WITH_OUTPUTS} with its outputs. Clear them and save it"
+        self.refuse("/".join(parts), f"it has more than {MAX_BYTES:,} bytes{advice}")
         return None
 
 
@@ -318,14 +322,6 @@ def empty_folders(top: Path) -> list[str]:
 def _limit(parts: tuple[str, ...]) -> int:
     """Return the maximum number of bytes to read; for a notebook it includes outputs."""
     return MAX_WITH_OUTPUTS if is_notebook_name(parts[-1]) else MAX_BYTES
-
-
-def _size_advice(parts: tuple[str, ...], data: bytes) -> str:
-    if not is_notebook_name(parts[-1]):
-        return ""
-    if len(data) > MAX_WITH_OUTPUTS:
-        return f", and more than {MAX_WITH_OUTPUTS} with its outputs. Clear them and save it"
-    return " without its outputs. Remove everything that is not part of the exercise"
 
 
 def _platform_zip(top: Path) -> zipfile.ZipFile:
@@ -388,12 +384,9 @@ def working_files(path: Path, cells: Sequence[str]) -> dict[str, str]:
     Raises:
         CourseError: They can't be read.
     """
-    unpacked = (
-        _read_working_files(path) if path.suffix.lower() == ".zip" else _read_folder(path.parent, cells)
-    )
     files: dict[str, str] = {}
     try:
-        for name, data in unpacked:
+        for name, data in _read_working_files(path, cells):
             # The replacement of invalid bytes may triple the size.
             text = data.decode("utf-8", "replace")
             if len(files) < MAX_WORKING_FILES and len(text.encode()) <= MAX_WORKING_BYTES:
@@ -403,9 +396,19 @@ def working_files(path: Path, cells: Sequence[str]) -> dict[str, str]:
     return files
 
 
-def _read_folder(folder: Path, cells: Sequence[str]) -> Iterator[tuple[str, bytes]]:
-    """Yield the files of the folder whose names occur in string literals of the cells."""
-    home = folder.resolve()
+def _read_working_files(path: Path, cells: Sequence[str]) -> Iterator[tuple[str, bytes]]:
+    """Yield the files that `course submit` packed with a notebook, or those that a plain notebook names.
+
+    The latter are in its folder, and their names occur in string literals of the cells.
+    """
+    if path.suffix.lower() == ".zip":
+        with open_zip(read_bytes(path)) as archive:
+            for info in archive.infolist()[: 2 * MAX_WORKING_FILES]:
+                name = _member_name(info).removeprefix(WORKING_FOLDER)
+                if name != _member_name(info) and _is_fine(name):
+                    yield name, read_member(archive, info, MAX_WORKING_BYTES)
+        return
+    home = path.parent.resolve()
     quoted = (name for cell in cells for name in _QUOTED.findall(cell) if _is_fine(name))
     for name in dict.fromkeys(islice(quoted, MAX_NAMES)):
         place = home / name
@@ -413,14 +416,6 @@ def _read_folder(folder: Path, cells: Sequence[str]) -> Iterator[tuple[str, byte
         if place.is_file() and place.resolve() == place:
             with place.open("rb") as file:
                 yield name, file.read(MAX_WORKING_BYTES + 1)
-
-
-def _read_working_files(path: Path) -> Iterator[tuple[str, bytes]]:
-    with open_zip(read_bytes(path)) as archive:
-        for info in archive.infolist()[: 2 * MAX_WORKING_FILES]:
-            name = _member_name(info).removeprefix(WORKING_FOLDER)
-            if name != _member_name(info) and _is_fine(name):
-                yield name, read_member(archive, info, MAX_WORKING_BYTES)
 
 
 def _is_fine(name: str) -> bool:

@@ -67,7 +67,9 @@ def fill_lms(
     """
     exercise = full_exercise_name(exercise)
     file, marks, mark_column = LmsFile.read(lms), _marks(out, exercise), "score" if raw else "final"
-    place, id_place = _find_columns(file, column, id_column)
+    place, id_place = file.column(column), file.column(id_column)
+    if place == id_place:
+        raise CourseError(f"--column and --id-column are both {column!r}; the marks would replace the IDs.")
     ids, max_points = _ids(file, id_place), _maxima(file, place)
     if students is not None:
         marks = {key: mark for key, mark in marks.items() if key in students}
@@ -122,18 +124,6 @@ def _comments(out: Path, exercise: str) -> dict[str, str]:
         if lines := [*exercise_comments, *tasks]:
             comments[_key(result.student)] = str(escape_formula("\n".join(lines)))
     return comments
-
-
-def _find_columns(file: LmsFile, column: str, id_column: str) -> tuple[int, int]:
-    """Return the column indices of the marks and the IDs.
-
-    Raises:
-        CourseError: A column is missing, or both are the same.
-    """
-    place, id_place = file.column(column), file.column(id_column)
-    if place == id_place:
-        raise CourseError(f"--column and --id-column are both {column!r}; the marks would replace the IDs.")
-    return place, id_place
 
 
 def _ids(file: LmsFile, place: int) -> dict[int, str]:

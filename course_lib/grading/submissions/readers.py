@@ -215,11 +215,13 @@ class Reader:
         is_returned = self.layout in ("moodle", "canvas", "anonymous")
         # In "Poe_Cleo_c_poe_7003", the login is "poe" or "c_poe".
         logins = _endings(f"{groups['name']}_{groups['login']}") if groups["login"] else ()
+        is_nbgrader = self.layout == NBGRADER
+        student = normalise(groups["number"]) if is_nbgrader else id_of(self.student.format(**groups))
         return DownloadName(
             self.layout,
             groups["number"] or name,
             name,
-            self._student(groups),
+            student,
             below,
             _keys(*logins, groups["number"], name),
             find_exercise_title(groups["title"]) if self.layout in (NBGRADER, "teams") else "",
@@ -227,13 +229,8 @@ class Reader:
             bool(groups.get("late")) if "late" in match.groupdict() else None,
             groups["attachment"],
             "/".join(path) if is_returned else "",
-            self.layout == NBGRADER,
+            is_nbgrader,
         )
-
-    def _student(self, groups: Mapping[str, str]) -> str:
-        if self.layout == NBGRADER:
-            return normalise(groups["number"])
-        return id_of(self.student.format(**groups))
 
 
 READERS: tuple[Reader, ...] = (

@@ -131,16 +131,12 @@ def _guess_encoding(data: bytes) -> str:
         high_bytes = data[first:200:2]
         if len(data) % 2 == 0 and 2 * high_bytes.count(0) > len(high_bytes):
             return encoding
-    # latin-1 decodes any byte.
-    return "utf-8" if _is_utf8(data) else "latin-1"
-
-
-def _is_utf8(data: bytes) -> bool:
     try:
         data.decode()
     except UnicodeDecodeError:
-        return False
-    return True
+        # latin-1 decodes any byte.
+        return "latin-1"
+    return "utf-8"
 
 
 def _split(text: str, delimiter: str) -> tuple[list[list[str]], list[str]]:

@@ -256,9 +256,10 @@ def find_submissions(
         )
     ledger = Ledger.read(top, zone)
     groups = defaultdict[tuple[str, str], list[Submission]](list)
-    for path in _files(top):
-        submission = read_submission(path, ledger)
-        groups[submission.student, submission.exercise].append(submission)
+    for path, why in _walk(top):
+        if not why and NAMES.search(path.name):
+            submission = read_submission(path, ledger)
+            groups[submission.student, submission.exercise].append(submission)
     ordered = {key: sort_submissions(group, top, counts, is_accepted) for key, group in groups.items()}
     rejected = [(file, entry.exercise, entry.refused) for file, entry in ledger.refused.items()]
     exercises = sorted({exercise for _, exercise in ordered if find_exercise_name(exercise) == exercise})
@@ -282,8 +283,10 @@ def find_submissions(
 
 def skipped_files(top: Path) -> list[str]:
     """Return a line for each link or device, and for each student's folder without a submission."""
-    lines = [f"skipped: {path.relative_to(top).as_posix()}: {why}" for path, why in _links_and_devices(top)]
-    owners = {path.relative_to(top).parts[0] for path in _files(top)}
+    walked = list(_walk(top))
+    lines = [f"skipped: {path.relative_to(top).as_posix()}: {why}" for path, why in walked if why]
+    found = (path for path, why in walked if not why and NAMES.search(path.name))
+    owners = {path.relative_to(top).parts[0] for path in found}
     for folder in sorted(path for path in top.iterdir() if path.is_dir() and not path.is_symlink()):
         names = sorted(path.name for path in folder.rglob("*") if path.is_file() and not path.is_symlink())
         if folder.name not in owners and not folder.name.startswith(".") and names:
@@ -308,7 +311,7 @@ def _rejected_links(top: Path, exercises: Sequence[str]) -> Iterator[tuple[str, 
 
     A link to a folder may stand for any exercise of the class.
     """
-    for path, why in _links_and_devices(top):
+    for path, why in ((path, why) for path, why in _walk(top) if why):
         file, reason = path.relative_to(top).as_posix(), f"{why}. Copy the file that it stands for"
         if NAMES.search(path.name):
             yield file, find_exercise_name(path.name) or path.name, reason
@@ -316,14 +319,14 @@ def _rejected_links(top: Path, exercises: Sequence[str]) -> Iterator[tuple[str, 
             yield from ((file, exercise, reason) for exercise in exercises)
 
 
-def _links_and_devices(top: Path) -> Iterator[tuple[Path, str]]:
-    """Yield each file that is a link or a device, and the reason to skip it."""
+def _walk(top: Path) -> Iterator[tuple[Path, str]]:
+    """Yield each file and the reason to skip it, which is "" unless it is a link or a device."""
     for folder, folders, names in os.walk(top):
         links = [name for name in folders if Path(folder, name).is_symlink()]
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         for path in (Path(folder, name) for name in sorted((*names, *links)) if not name.startswith(".")):
-            if path.is_symlink() or not (path.is_file() or path.is_dir()):
-                yield path, f"it is {'a link' if path.is_symlink() else 'a pipe or a device'}, not a file"
+            kind = "a link" if path.is_symlink() else "" if path.is_file() else "a pipe or a device"
+            yield path, f"it is {kind}, not a file" if kind else ""
 
 
 def sort_submissions(
@@ -533,14 +536,6 @@ def _member(archive: ZipFile, name: str, max_bytes: int) -> bytes:
     return data
 
 
-def _files(top: Path) -> Iterator[Path]:
-    for folder, folders, names in os.walk(top):
-        folders[:] = sorted(name for name in folders if not name.startswith("."))
-        for path in (Path(folder, name) for name in sorted(names) if not name.startswith(".")):
-            if NAMES.search(path.name) and path.is_file() and not path.is_symlink():
-                yield path
-
-
 PLACES = "places.json"
 
 
@@ -732,7 +727,15 @@ def _resolve_id(
         return submission
     is_number = submission.student in numbers or PLATFORM_NAME.fullmatch(submission.student)
     if submission.path.parent != top and not is_number:
-        return _use_folder_id(submission)
+        # The folder identifies the student.
+        resolved = replace(submission, values_of=submission.student)
+        if submission.claimed == submission.student:
+            return resolved
+        judging = f"judged with the personal values of {submission.student}"
+        if submission.claimed is None:
+            return replace(resolved, id_flag=NO_ID, id_note=f"the file has no ID: {judging}")
+        note = f"the file has the ID {submission.claimed}, but {submission.student} submitted it: {judging}"
+        return replace(resolved, id_flag=MISMATCH, id_note=note)
     if is_number and submission.claimed and owners[submission.claimed] != {submission.student}:
         note = f"the file has the ID {submission.claimed}, and so has another student's file"
         return replace(submission, values_of=submission.claimed, id_flag=MISMATCH, id_note=note)
@@ -741,18 +744,6 @@ def _resolve_id(
         return replace(submission, id_flag=NO_ID, id_note=note)
     # Often all submissions are unverified, which is reported in a single line.
     return replace(submission, values_of=submission.claimed, id_flag=UNVERIFIED)
-
-
-def _use_folder_id(submission: Submission) -> Submission:
-    """Return a submission in a folder that identifies its student."""
-    resolved = replace(submission, values_of=submission.student)
-    if submission.claimed == submission.student:
-        return resolved
-    judging = f"judged with the personal values of {submission.student}"
-    if submission.claimed is None:
-        return replace(resolved, id_flag=NO_ID, id_note=f"the file has no ID: {judging}")
-    note = f"the file has the ID {submission.claimed}, but {submission.student} submitted it: {judging}"
-    return replace(resolved, id_flag=MISMATCH, id_note=note)
 
 
 def _platform_numbers(top: Path) -> frozenset[str]:

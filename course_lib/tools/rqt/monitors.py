@@ -46,6 +46,7 @@ class ConsoleView(RqtView):
     """A table of log messages, newest first, with filters and highlighting."""
 
     name, title, listens = "console", "Console", True
+    topics = ("/rosout",)
 
     def build(self) -> None:
         """Create the filters of rqt_console: severity, node, text and highlighting."""
@@ -61,10 +62,6 @@ class ConsoleView(RqtView):
     def buttons(self) -> list[Any]:
         """Add a button that clears the collected messages."""
         return [self.button("Clear", "trash", self._logs.clear)]
-
-    def required_topics(self) -> Collection[str]:
-        """Return the topic of log messages."""
-        return ("/rosout",)
 
     def on_sample(self, sample: Sample) -> None:
         """Collect a log message unless the view is paused."""
@@ -209,6 +206,7 @@ class RobotMonitorView(RqtView):
     """The diagnostics tree with the worst level of each branch, and the details of one status."""
 
     name, title, listens = "robot_monitor", "Robot Monitor", True
+    topics = TOPICS
 
     def build(self) -> None:
         """Create the controls. /diagnostics is shown until the aggregator publishes."""
@@ -218,10 +216,6 @@ class RobotMonitorView(RqtView):
         self._history: deque[tuple[int, str]] = deque(maxlen=_HISTORY)
         self.add_choice("Details of", [], None)
         self.add_check("Pause")
-
-    def required_topics(self) -> Collection[str]:
-        """Return the topics of diagnostics."""
-        return TOPICS
 
     def on_sample(self, sample: Sample) -> None:
         """Collect an array of statuses."""

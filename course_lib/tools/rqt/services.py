@@ -1,6 +1,5 @@
 """`%rqt service_caller` and `%rqt reconfigure`: views that call the services of nodes."""
 
-from collections.abc import Collection
 from html import escape
 from math import ceil, isfinite, log10
 from typing import Any
@@ -94,6 +93,7 @@ class ReconfigureView(RqtView):
     """
 
     name, title = "reconfigure", "Dynamic Reconfigure"
+    topics = _EVENTS[:1]
 
     def build(self) -> None:
         """Create the controls. The first argument selects a node."""
@@ -118,10 +118,6 @@ class ReconfigureView(RqtView):
         """Return the table, and fill it as soon as the page is displayed."""
         self.run_soon(self._read)
         return [self.table]
-
-    def required_topics(self) -> Collection[str]:
-        """Return the topic of parameter events."""
-        return _EVENTS[:1]
 
     def on_sample(self, sample: Sample) -> None:
         """Display values that other clients have set."""

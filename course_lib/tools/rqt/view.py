@@ -107,6 +107,8 @@ class RqtView:
     title: ClassVar[str]
     # Whether it shows only messages received after it was opened.
     listens: ClassVar[bool] = False
+    # The topics that `on_sample` processes.
+    topics: ClassVar[Collection[str]] = ()
 
     def __init__(self, graph: Graph, words: Sequence[str]) -> None:
         from ipywidgets import HTML
@@ -136,8 +138,8 @@ class RqtView:
         """Process a published message."""
 
     def required_topics(self) -> Collection[str]:
-        """Return the topics that `on_sample` processes. A linked robot sends only these."""
-        return ()
+        """Return the topics that `on_sample` processes now. A linked robot sends only these."""
+        return self.topics
 
     def picture(self) -> str:
         """Return the current state as HTML."""
