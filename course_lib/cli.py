@@ -186,12 +186,12 @@ def release(
     A solution is released only after the last submission of its week that can get points.
     """
     from course_lib.authoring.verify import refuse_broken, report_placeholders
-    from course_lib.course.release import free_folder, renew_exercises, require_closed
+    from course_lib.course.release import free_folder, renew_exercises, require_closed_weeks
     from course_lib.course.release import release as write
     from course_lib.grading.store import this_course
 
     free_folder(out)
-    require_closed(solution or ())
+    require_closed_weeks(solution or ())
     renew_exercises()
     refuse_broken(this_course(), lambda line: typer.echo(line, err=True))
     paths = write(out, solution or ())

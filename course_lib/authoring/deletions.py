@@ -152,7 +152,7 @@ def deletions(code: Code, tasks: Sequence[Task]) -> Iterator[Deletion]:
         for number, statement in enumerate(tree.body):
             key = (index, number)
             of = tuple(task for task, keys in needed_keys.items() if key in keys)
-            for part in _deletable_parts(source, statement) if of else ():
+            for part in _find_deletable(source, statement) if of else ():
                 text = source[: part.first] + part.replacement + source[part.last :]
                 if _cell(text).syntax_error:
                     continue
@@ -315,7 +315,7 @@ class _DeletablePart:
     attributes: frozenset[str] = frozenset()
 
 
-def _deletable_parts(source: str, tree: ast.AST) -> Iterator[_DeletablePart]:
+def _find_deletable(source: str, tree: ast.AST) -> Iterator[_DeletablePart]:
     """Yield the deletable imports and statements of a program and of programs in its strings."""
     lines = source.splitlines(keepends=True)
     starts = [0, *accumulate(len(line) for line in lines)]
@@ -361,7 +361,7 @@ def _parts_in_string(literal: str, at: int) -> Iterator[_DeletablePart]:
         return
     if any(isinstance(node, ast.Import | ast.ImportFrom | ast.FunctionDef) for node in tree.body):
         begin = at + match.start("text")
-        for part in _deletable_parts(code, tree):
+        for part in _find_deletable(code, tree):
             yield replace(
                 part, name=f"{part.name} in the text", first=begin + part.first, last=begin + part.last
             )

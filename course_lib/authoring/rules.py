@@ -243,7 +243,7 @@ ANSWER = re.compile(
 )
 
 
-def missing_parts(page: NotebookPage) -> Iterator[str]:
+def missing_sections(page: NotebookPage) -> Iterator[str]:
     """Yield the required parts of a lesson that are missing."""
     if not re.search(r"!\[.+\]\(attachment:.+\)", source(page.cells[0])):
         yield "the first cell has no picture: ![a description](attachment:picture.png)"
@@ -372,7 +372,7 @@ def missing_review_quiz(page: NotebookPage) -> Iterator[str]:
 
 
 FOR_LESSONS: tuple[Rule, ...] = (
-    missing_parts,
+    missing_sections,
     missing_answers,
     misplaced_files,
     wrong_minutes,

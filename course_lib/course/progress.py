@@ -181,7 +181,7 @@ def status(folder: Path | None = None, now: datetime | None = None) -> tuple[Tab
     rows = [(week, progress(week, state)) for week in read_weeks()]
     for week, so_far in rows:
         table.add_row(*_cells(week, so_far, now, zone))
-    packed_lines = [_describe_packed(week, so_far) for week, so_far in rows if so_far.packed]
+    packed_lines = [_describe_zip(week, so_far) for week, so_far in rows if so_far.packed]
     return table, "\n".join([*packed_lines, _next(rows)])
 
 
@@ -210,7 +210,7 @@ def _due(deadline: datetime | None, now: datetime, zone: ZoneInfo) -> str:
     return f"{deadline:%d %b %H:%M}, {remaining_text}"
 
 
-def _describe_packed(week: Week, so_far: Progress) -> str:
+def _describe_zip(week: Week, so_far: Progress) -> str:
     """Describe the last packed file, and whether it matches the notebook."""
     file = so_far.file
     if file is None:

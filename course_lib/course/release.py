@@ -73,7 +73,7 @@ def free_folder(out: Path) -> Path:
     return out
 
 
-def require_closed(weeks: Iterable[str]) -> None:
+def require_closed_weeks(weeks: Iterable[str]) -> None:
     """Raise a CourseError if points can still be earned, so the solution must stay hidden."""
     course = shipped_course_file()
     for week in weeks:
@@ -104,7 +104,7 @@ def release(out: Path, solved: Sequence[str] = ()) -> list[Path]:
             is malformed. A week in `solved` can still be handed in for points.
     """
     root, out = checkout_root(), free_folder(out)
-    require_closed(solved)
+    require_closed_weeks(solved)
     renew_exercises()
     settings = _without_extensions(root / "exercises" / "course.toml")
     try:

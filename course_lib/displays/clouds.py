@@ -296,9 +296,9 @@ class CloudDisplay(TopicDisplay):
         self._is_stale = False
         self._cloud_count = 0
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Redraw all clouds in the next frame, if the property affects the drawing."""
-        super().on_changed(label)
+        super().on_property_change(label)
         self._is_stale |= label.partition("/")[0] not in _NOT_DRAWN
 
     def reset(self) -> None:
@@ -774,9 +774,9 @@ class DepthCloudDisplay(CloudDisplay):
         # Camera pose for which the hidden points are valid.
         self._camera = np.eye(4)
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Subscribe again, or redraw."""
-        super().on_changed(label)
+        super().on_property_change(label)
         if label.startswith(_LISTENING) and label != self.topic_label and self.is_started:
             self.start()
         if label == "Occlusion Compensation":

@@ -277,7 +277,7 @@ class Display(PropertyHolder):
         self.statuses.hint("Properties", *wrong)
         return wrong
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Update the display after a property has changed."""
         if label == "Enabled" and self.is_started:
             self.start()
@@ -302,7 +302,7 @@ class Display(PropertyHolder):
     def apply_change(self, label: str) -> None:
         """Update the display after a property has changed; an exception becomes a status."""
         with contained(self._statuses, "Properties"):
-            self.on_changed(label)
+            self.on_property_change(label)
 
     def start(self) -> None:
         """Start or restart with the current properties."""
@@ -312,7 +312,7 @@ class Display(PropertyHolder):
     def update(self) -> None:
         """Bring the scene up to date; called once per frame."""
 
-    def on_view_turned(self, camera: Camera) -> None:
+    def on_view_turn(self, camera: Camera) -> None:
         """Update the display after the user has turned the view."""
 
     def message_at(self, path: str) -> Any:
@@ -440,9 +440,9 @@ class TopicDisplay(Display):
             topic = {"Value": topic, "Depth": config.get("Queue Size"), "Reliability Policy": reliability}
         return super().load({**config, self.topic_label: topic})
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Subscribe again when the topic or its quality of service changes."""
-        super().on_changed(label)
+        super().on_property_change(label)
         if label.startswith(self.topic_label) and self.is_started:
             self.start()
 
@@ -674,11 +674,11 @@ class DrawnDisplay(TopicDisplay):
         super().reset()
         self.kept.clear()
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Redraw. RViz clears a buffer when its length changes, but truncates a history."""
         if label == self.length_label:
             self.kept = deque(() if label == "Buffer Length" else self.kept, self[label] or None)
-        super().on_changed(label)
+        super().on_property_change(label)
         if self.is_started:
             self.draw()
 

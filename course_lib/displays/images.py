@@ -207,9 +207,9 @@ class PictureDisplay(TopicDisplay):
         self._is_stale = False
         self._range = Range()
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Redraw in the next frame."""
-        super().on_changed(label)
+        super().on_property_change(label)
         self.redraw()
 
     def redraw(self) -> None:

@@ -543,9 +543,9 @@ class InteractiveMarkersDisplay(Display):
         if self.enabled:
             self._connect()
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Reconnect, or show and hide parts of the markers."""
-        super().on_changed(label)
+        super().on_property_change(label)
         if self.is_started and label in (self.topic_label, "Enable Transparency"):
             self.start()
         for marker in self.markers.values():
@@ -565,7 +565,7 @@ class InteractiveMarkersDisplay(Display):
         for marker in self.markers.values():
             marker.update()
 
-    def on_view_turned(self, camera: Camera) -> None:
+    def on_view_turn(self, camera: Camera) -> None:
         """Turn the controls that face the viewer."""
         for marker in self.markers.values():
             marker.update()

@@ -190,7 +190,7 @@ class Options(PropertyHolder):
     def __repr__(self) -> str:
         return "Global Options"
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Apply the new value."""
         self._set_option(label, self[label])
 

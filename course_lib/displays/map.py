@@ -74,9 +74,9 @@ class MapDisplay(DrawnDisplay):
     _map: Any = None
     _cells: Bytes = np.empty((0, 0), np.uint8)  # shape (height, width)
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Subscribe to other topics, or redraw. The topic of updates follows the map's topic."""
-        super().on_changed(label)
+        super().on_property_change(label)
         if label == "Topic":
             self[_UPDATES] = f"{self['Topic']}_updates"
         elif label.startswith(_UPDATES) and self.is_started:

@@ -284,14 +284,14 @@ def _textured_triangles(marker: Any, scale: Floats) -> Mesh | None:
     return Mesh(vertices, faces, colors)
 
 
-def _uv_fits(marker: Any) -> bool:
+def _has_uv_per_point(marker: Any) -> bool:
     """Return whether there is one texture coordinate per point, as RViz requires."""
     return len(marker.uv_coordinates) == len(marker.points)
 
 
 def _uses_texture(marker: Any) -> bool:
     """Return whether RViz looks for an embedded texture."""
-    return bool(marker.texture_resource.startswith(_EMBEDDED)) and _uv_fits(marker)
+    return bool(marker.texture_resource.startswith(_EMBEDDED)) and _has_uv_per_point(marker)
 
 
 def _texture_of(marker: Any) -> Pixels | None:
@@ -428,7 +428,7 @@ _RULES = (
         "embedded:// and the field texture has the image.",
     ),
     Rule(
-        lambda m: m.type == _TRIANGLES and bool(m.texture_resource) and not _uv_fits(m),
+        lambda m: m.type == _TRIANGLES and bool(m.texture_resource) and not _has_uv_per_point(m),
         "uv_coordinates does not have one entry for each point, so RViz2 ignores the texture.",
     ),
     Rule(
@@ -724,9 +724,9 @@ class _Markers(TopicDisplay):
         name = _namespace(label)
         super().__setitem__(*((label, value) if name is None else ("Namespaces", {name: value})))
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Show or hide namespaces; handle other properties as usual."""
-        super().on_changed(label)
+        super().on_property_change(label)
         if label == "Namespaces":
             self.markers.set_namespaces(self["Namespaces"])
 

@@ -293,10 +293,10 @@ class PropertyHolder(KnownAttributes):
             self.apply_change(prop.label)
 
     def apply_change(self, label: str) -> None:
-        """Call `on_changed`; a display makes its exceptions a status."""
-        self.on_changed(label)
+        """Call `on_property_change`; a display makes its exceptions a status."""
+        self.on_property_change(label)
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """React to a new value of a property."""
 
     def load(self, config: Mapping[str, Any]) -> list[str]:

@@ -358,12 +358,12 @@ class RobotModelDisplay(TopicDisplay):
         is_changed = any(self[prop.label] != prop.default for prop in policies)
         return super().qos() if is_changed else Qos(depth=1, durability="transient_local")
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Restart after a change of the description.
 
         Other properties take effect in the next frame.
         """
-        super().on_changed(label)
+        super().on_property_change(label)
         switches = [f"Links/{link.name}" for link in self._links if link.has_geometry]
         if label == _ALL:
             self._values |= dict.fromkeys(switches, self[_ALL])

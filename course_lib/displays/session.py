@@ -192,7 +192,7 @@ class RvizSession:
         self._framing = None
         self.refresh()
 
-    def on_view_turned(self, camera: Camera) -> None:
+    def on_view_turn(self, camera: Camera) -> None:
         """Set the view from a camera that the user turned in a page."""
         self._framing = None
         self._view.set_from_camera(camera)
@@ -202,7 +202,7 @@ class RvizSession:
     def _announce_camera(self) -> None:
         for display in self.displays:
             with contained(display.statuses, "View"):
-                display.on_view_turned(self.context.scene.camera)
+                display.on_view_turn(self.context.scene.camera)
 
     def add(
         self,

@@ -537,9 +537,9 @@ class EffortDisplay(DrawnDisplay):
         # Revolute and continuous joints with a limit, by name.
         self._joints: dict[str, Joint] | None = None
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Subscribe to another robot description, or redraw."""
-        super().on_changed(label)
+        super().on_property_change(label)
         if label == "Robot Description" and self.is_started:
             self.start()
 

@@ -60,9 +60,9 @@ class ReferenceDisplay(Display):
         """Return RViz's status of the reference frame."""
         raise NotImplementedError
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Redraw in the next frame."""
-        super().on_changed(label)
+        super().on_property_change(label)
         self._is_drawn = False
 
     def reset(self) -> None:
@@ -202,7 +202,7 @@ class DrawnFrame:
         self._frame = frame
         self.nodes = {part: f"{path}/{part}/{node_name(frame)}" for part in PARTS}
         self._drawn_appearances: dict[str, Appearance] = {}
-        self._visible_parts: dict[str, bool] = {}
+        self._visibility: dict[str, bool] = {}
         self._last_transforms: tuple[Matrix | None, Matrix | None] = (None, None)
 
     def show(self, visible_parts: Mapping[str, bool], look: Appearance) -> None:
@@ -213,8 +213,8 @@ class DrawnFrame:
                 self._drawn_appearances[part] = look
                 self._last_transforms = (None, None)
                 self._draw(part, look)
-            if part in self._drawn_appearances and self._visible_parts.get(part, True) != visible_parts[part]:
-                self._visible_parts[part] = visible_parts[part]
+            if part in self._drawn_appearances and self._visibility.get(part, True) != visible_parts[part]:
+                self._visibility[part] = visible_parts[part]
                 self._scene.set_visible(self.nodes[part], visible_parts[part])
 
     def place(self, transform: Matrix, transform_parent: Matrix | None, scale: float) -> None:
@@ -375,9 +375,9 @@ class TfDisplay(Display):
         self._updated_ns: int | None = None
         self._values["Tree"] = self._tree
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Enable or disable all frames or one. Other properties take effect in the next frame."""
-        super().on_changed(label)
+        super().on_property_change(label)
         switches = [f"Frames/{frame}" for frame in self._frames]
         if label == _ALL:
             self._values |= dict.fromkeys(switches, self[_ALL])

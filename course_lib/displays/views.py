@@ -72,7 +72,7 @@ class ViewController(PropertyHolder):
         for label, value in properties.items():
             self[label] = value
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Show the change."""
         self.on_change()
 
@@ -408,14 +408,14 @@ class FrameAligned(FPS):
         Property("Lock Camera", False, flag),
     )
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Look along the chosen axis, or determine the axis from yaw and pitch."""
         axis = _AXES.get(self["Point towards"])
         if label == "Point towards" and axis:
             self._values |= {"Position": (0.0, 0.0, 0.0), **_angles(np.array(axis))}
         elif label in ("Yaw", "Pitch"):
             self._name_axis()
-        super().on_changed(label)
+        super().on_property_change(label)
 
     def set_from_camera(self, camera: Camera) -> None:
         """Set the properties from a camera that the user has moved."""

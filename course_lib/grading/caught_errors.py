@@ -12,7 +12,7 @@ from typing import Any, Self
 from course_lib.grading.run.outcome import describe
 from course_lib.grading.slips import parse
 from course_lib.ros.graph.graph import START_NS, current_graph
-from course_lib.ros.student_code import is_own
+from course_lib.ros.student_code import is_student_file
 
 # Catching these classes catches mistakes in the code as well.
 _ALL_ERRORS = {"Exception", "BaseException"}
@@ -76,7 +76,7 @@ class CaughtErrors:
             sys.settrace(self._before)
 
     def _trace_calls(self, frame: FrameType, event: str, _: Any) -> Any:
-        if event != "call" or self.mistake or not is_own(frame.f_code.co_filename):
+        if event != "call" or self.mistake or not is_student_file(frame.f_code.co_filename):
             return None
         frame.f_trace_lines = False
         return self._trace_errors

@@ -156,11 +156,11 @@ def flow(
     for tag, arguments in calls:
         pending[executor.submit(function, *arguments)] = tag
         if len(pending) >= window:
-            yield from _take_completed(pending)
+            yield from _take_results(pending)
     while pending:
-        yield from _take_completed(pending)
+        yield from _take_results(pending)
 
 
-def _take_completed(pending: dict[Future[Any], Tag]) -> Iterator[tuple[Tag, Future[Any]]]:
+def _take_results(pending: dict[Future[Any], Tag]) -> Iterator[tuple[Tag, Future[Any]]]:
     for future in wait(pending, return_when=FIRST_COMPLETED).done:
         yield pending.pop(future), future

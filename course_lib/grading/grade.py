@@ -364,13 +364,13 @@ def _find_pending(
 
 def _is_done(attempts: Attempts, out: Path) -> bool:
     """Return whether result and report exist for these files, checks and points."""
-    result = _read_stored(attempts, out)
+    result = _read_stored_result(attempts, out)
     if result is None or result.judgement is None or result.digest != attempts.digest:
         return False
     return has_page(result, out)
 
 
-def _read_stored(attempts: Attempts, out: Path) -> Result | None:
+def _read_stored_result(attempts: Attempts, out: Path) -> Result | None:
     """Return the stored result regardless of its digest, or None if it is missing or damaged."""
     try:
         return stored_result(out, attempts.student, attempts.exercise).result
@@ -495,7 +495,7 @@ def judge_mark_report(
     Raises:
         RecordsWriteError: The folder can't be written.
     """
-    stored, catalog = _read_stored(attempts, out) if resume else None, store.catalog_of(course)
+    stored, catalog = _read_stored_result(attempts, out) if resume else None, store.catalog_of(course)
     previous = stored if stored and stored.digest == attempts.digest else None
     fresh: dict[str, Judgement | Fault | None] = {}
     result = previous

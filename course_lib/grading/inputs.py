@@ -166,13 +166,13 @@ def circling(
     parent: str = "world",
     child: str = "base_link",
 ) -> Iterable[Message]:
-    """Yield transforms at 20 Hz of a frame that moves along `on_circle` between two times [s]."""
+    """Yield transforms at 20 Hz of a frame that moves along `circle_position` between two times [s]."""
     for step in range(round((end - begin) * 20)):
         at = begin + step / 20  # [s]
-        yield transforms([pose(parent, child, on_circle(at), at + math.pi / 2)], at)
+        yield transforms([pose(parent, child, circle_position(at), at + math.pi / 2)], at)
 
 
-def on_circle(at: float) -> Vector:
+def circle_position(at: float) -> Vector:
     """Return the position `at` [s] on a circle of radius 3 m, traversed at 1 rad/s."""
     return (3.0 * math.cos(at), 3.0 * math.sin(at), 0.0)
 

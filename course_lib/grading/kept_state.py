@@ -84,12 +84,12 @@ def _growing(cls: ast.ClassDef, function: Function, owners: set[str], *, is_cert
         owner = ".".join(items.split(".")[:2])
         if is_certain and not is_several and not _reads_first(function, items):
             continue
-        if owner in owners and not _shortens(cls, items, owner):
+        if owner in owners and not _is_shortened(cls, items, owner):
             yield (
                 f"{items} keeps the items of each earlier call of {function.name}: empty it there "
                 "first, or create a new list in each call."
             )
-        elif items in free and not _shortens(function, items, items):
+        elif items in free and not _is_shortened(function, items, items):
             yield (
                 f"{items} is outside of {function.name} and keeps the items of each earlier call: "
                 f"create a new list in {function.name}."
@@ -179,7 +179,7 @@ def _reads_first(function: Function, items: str) -> bool:
     )
 
 
-def _shortens(scope: ast.ClassDef | Function, items: str, owner: str) -> bool:
+def _is_shortened(scope: ast.ClassDef | Function, items: str, owner: str) -> bool:
     """Return whether a class, outside of __init__, or a function shortens or replaces a list."""
     functions = (
         [scope]

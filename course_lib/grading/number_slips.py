@@ -468,7 +468,7 @@ def _covered_limits(function: Function) -> Iterator[str]:
         for statement in block if isinstance(block, list) else []:
             match statement:
                 case ast.If(test=ast.Compare(ops=[_], comparators=[_]) as test):
-                    wider = [condition for condition in conditions if _covers(condition, test)]
+                    wider = [condition for condition in conditions if _is_wider(condition, test)]
                     if wider:
                         yield (
                             f"{quote(test)} is never true here, because {quote(wider[0])} before "
@@ -483,7 +483,7 @@ def _covered_limits(function: Function) -> Iterator[str]:
                     conditions = []
 
 
-def _covers(wider: ast.Compare, other: ast.Compare) -> bool:
+def _is_wider(wider: ast.Compare, other: ast.Compare) -> bool:
     """Return whether one comparison with a number is true whenever another one is."""
     limits = [comparison.comparators[0] for comparison in (wider, other)]
     if ast.unparse(wider.left) != ast.unparse(other.left) or not all(

@@ -17,7 +17,7 @@ from course_lib.course.exercise import source as text_of
 from course_lib.course.material import exercises_dir
 from course_lib.errors import CourseError
 from course_lib.export.module import without_magics
-from course_lib.ros.student_code import is_own
+from course_lib.ros.student_code import is_student_file
 
 # Limit on the definitions of one answer.
 MOST_DEFINITIONS = 50
@@ -102,7 +102,7 @@ def _source_of_value(value: Any) -> tuple[str, Scope] | None:
     """Return the source of a student's function or class and the variables that it sees, or None."""
     value = _unwrap(value)
     function = _function_of(value)
-    if function is None or not is_own(function.__code__.co_filename):
+    if function is None or not is_student_file(function.__code__.co_filename):
         return None
     text = _find_definition(value.__name__, function, isinstance(value, type))
     cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
@@ -143,7 +143,7 @@ def _function_of(value: Any) -> FunctionType | None:
         if (
             isinstance(function, FunctionType)
             and function.__qualname__.startswith(f"{value.__qualname__}.")
-            and is_own(function.__code__.co_filename)
+            and is_student_file(function.__code__.co_filename)
         ):
             return function
     return None

@@ -41,11 +41,11 @@ def function_slips(function: Function, attributes: set[str]) -> Iterator[str]:
     for block in _blocks(function):
         yield from _idle_statements(block)
         yield from _recreations(block)
-        yield from _replaced_parts(block)
+        yield from _overwritten_components(block)
         yield from _late_assignments(block)
         yield from _loops(block, function.name)
         yield from _reused_objects(block)
-        yield from _shared_parts(block)
+        yield from _shared_components(block)
         yield from _lost_loop_values(block)
         yield from _shrinking_loops(block)
         yield from _unreachable(block)
@@ -170,7 +170,7 @@ def _recreations(block: Sequence[ast.stmt]) -> Iterator[str]:
                 del is_filled[filled_name]
 
 
-def _replaced_parts(block: Sequence[ast.stmt]) -> Iterator[str]:
+def _overwritten_components(block: Sequence[ast.stmt]) -> Iterator[str]:
     """Yield a sentence for each part of a message that is replaced after its fields were set."""
     stored: dict[str, ast.stmt] = {}
     for statement in block:
@@ -342,7 +342,7 @@ def _reused_objects(block: Sequence[ast.stmt]) -> Iterator[str]:
                     )
 
 
-def _shared_parts(block: Sequence[ast.stmt]) -> Iterator[str]:
+def _shared_components(block: Sequence[ast.stmt]) -> Iterator[str]:
     """Yield a sentence for each object that a loop changes and assigns to all its items."""
     for index, loop in enumerate(block):
         if not isinstance(loop, ast.For) or any(_published_variable(node) for node in ast.walk(loop)):
@@ -548,7 +548,7 @@ def _waiting_loops(function: Function) -> Iterator[str]:
         match node:
             case ast.While(test=ast.Constant() | ast.Compare()):
                 continue
-            case ast.While(test=test, body=body) if all(map(_only_waits, body)):
+            case ast.While(test=test, body=body) if all(map(_is_wait, body)):
                 yield (
                     f'"while {ast.unparse(test)}" in {function.name} waits for messages, but the node '
                     "receives none before the method ends: check once, with if, and return if it is too "
@@ -592,7 +592,7 @@ def _calls_own_method(loop: ast.While) -> bool:
     )
 
 
-def _only_waits(statement: ast.stmt) -> bool:
+def _is_wait(statement: ast.stmt) -> bool:
     match statement:
         case ast.Pass() | ast.Continue() | ast.Expr(value=ast.Constant()):
             return True

@@ -26,8 +26,8 @@ from course_lib.ros.student_code import (
     frame_of,
     is_native,
     is_of_library,
-    is_own,
     is_student_class,
+    is_student_file,
     line_of_student,
     reachable_object,
 )
@@ -498,7 +498,7 @@ def _recursion_hint(error: BaseException) -> str:
             "set_parameters calls this callback again: leave it out. The parameter has its new "
             "value when the callback has returned `SetParametersResult(successful=True)`."
         )
-    counts = Counter(frame.f_code for frame in frames if is_own(frame.f_code.co_filename))
+    counts = Counter(frame.f_code for frame in frames if is_student_file(frame.f_code.co_filename))
     repeated = [code for code, count in counts.items() if count > _FEW_CALLS]
     if not repeated:
         return ""

@@ -30,8 +30,8 @@ from course_lib.ros.student_code import (
     frame_of,
     is_launch_file,
     is_of_library,
-    is_own,
     is_student_class,
+    is_student_file,
     line_of_student,
     public_attributes,
     reachable_object,
@@ -528,7 +528,7 @@ def _module_attribute_hint(module: ModuleType, name: str, frame: FrameType | Non
         return ""
     # A library may lack an import itself, as xacro does.
     file = frame.f_code.co_filename if frame is not None else ""
-    if not file.startswith(KIT) and not is_own(file):
+    if not file.startswith(KIT) and not is_student_file(file):
         return ""
     if any(inner.name == name for inner in iter_modules(module.__path__)):
         return f"a module of a package is imported by its whole name: `import {package}.{name}`."
@@ -701,7 +701,7 @@ def unnamed_field_hint(error: BaseException) -> str:
         return ""
     names: list[str] = []
     for value in frame.f_locals["positional"]:
-        free = [field.name for field in fields if field.name not in names and _fits(value, field)]
+        free = [field.name for field in fields if field.name not in names and _is_valid_value(value, field)]
         if not free and isinstance(value, str):
             return ""
         if not free:
@@ -713,7 +713,7 @@ def unnamed_field_hint(error: BaseException) -> str:
     )
 
 
-def _fits(value: object, field: FieldDefinition) -> bool:
+def _is_valid_value(value: object, field: FieldDefinition) -> bool:
     """Return whether a value may be meant for a field of a message."""
     if field.container != "scalar":
         return isinstance(value, list | tuple) or hasattr(value, "tolist")
@@ -753,7 +753,7 @@ def synonyms(name: str) -> tuple[str, ...]:
 def hiding_file_hint(name: str) -> str:
     """Return the hint for an imported file or folder that has the name of a library's module, or ""."""
     file = getattr(sys.modules.get(name), "__file__", None)
-    if file is None or "." in name or not is_own(file):
+    if file is None or "." in name or not is_student_file(file):
         return ""
     place = Path(file).resolve()
     if place.stem == "__init__":
@@ -761,7 +761,7 @@ def hiding_file_hint(name: str) -> str:
     elsewhere = [entry for entry in sys.path if Path(entry).resolve() != place.parent]
     hidden = PathFinder.find_spec(name, elsewhere)
     # Python also finds the folder around a package of the workspace, without an origin.
-    if hidden is None or hidden.origin is None or is_own(hidden.origin):
+    if hidden is None or hidden.origin is None or is_student_file(hidden.origin):
         return ""
     return f"your {place.name} hides the module {name} of Python or of a library: rename it."
 

@@ -15,7 +15,7 @@ _OTHERS = ("<frozen", KIT, *sysconfig.get_paths().values())
 _HEAP_TYPE = 1 << 9  # Python's flag of classes that are not static in C
 
 
-def is_own(filename: str) -> bool:
+def is_student_file(filename: str) -> bool:
     """Return whether a file or a cell belongs to the student, not to the kit, Python or a library."""
     return not filename.startswith(_OTHERS)
 
@@ -31,7 +31,7 @@ def frame_of(error: BaseException) -> FrameType | None:
 def line_of_student(error: BaseException) -> str:
     """Return the traceback's innermost line outside the kit, Python and its libraries, or ""."""
     lines = [(frame.f_code.co_filename, number) for frame, number in walk_tb(error.__traceback__)]
-    own = [(name, number) for name, number in lines if is_own(name)]
+    own = [(name, number) for name, number in lines if is_student_file(name)]
     return linecache.getline(*own[-1]) if own else ""
 
 
@@ -50,7 +50,7 @@ def is_student_class(kind: type) -> bool:
     # Cells that are executed without a module define classes of "builtins".
     if kind.__module__ == "builtins":
         return getattr(builtins, kind.__name__, None) is None and not is_native(kind)
-    return is_own(place)
+    return is_student_file(place)
 
 
 def reachable_object(frame: FrameType, name: str) -> Any:
@@ -72,7 +72,7 @@ def reachable_object(frame: FrameType, name: str) -> Any:
 def is_of_library(function: object) -> bool:
     """Return whether a function is written in Python, and not by the student."""
     code = getattr(function, "__code__", None)
-    return isinstance(code, CodeType) and not is_own(code.co_filename)
+    return isinstance(code, CodeType) and not is_student_file(code.co_filename)
 
 
 def public_attributes(value: object) -> list[str]:

@@ -18,7 +18,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.hints import add_hint
 from course_lib.ros.notices import say
-from course_lib.ros.student_code import KIT, is_own
+from course_lib.ros.student_code import KIT, is_student_file
 
 # Frames between an import and the module, which Python does not show either, and frames of context
 # managers.
@@ -136,7 +136,7 @@ def loop_of_traceback(trace: TracebackType | None) -> str:
     for_loops: list[tuple[str, int]] = []
     for frame, line in walk_tb(trace):
         code = frame.f_code
-        if not is_own(code.co_filename):
+        if not is_student_file(code.co_filename):
             continue
         # A file that changed in the meantime may not be Python.
         with contextlib.suppress(SyntaxError):
@@ -161,7 +161,7 @@ def line_of_thread(ident: int) -> str:
 def is_importing(ident: int) -> bool:
     """Return whether a thread is importing a library's module, which may take seconds."""
     for frame, _ in walk_stack(sys._current_frames().get(ident)):
-        if is_own(frame.f_code.co_filename):
+        if is_student_file(frame.f_code.co_filename):
             return False
         if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
             return True
@@ -184,7 +184,7 @@ def format_location(filename: str, line: int) -> str:
 
 
 def _innermost_own_line(places: Iterable[tuple[str, int | None]]) -> str:
-    own_places = [(name, line) for name, line in places if line and is_own(name)]
+    own_places = [(name, line) for name, line in places if line and is_student_file(name)]
     return format_location(*own_places[-1]) if own_places else ""
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from course_lib.errors import format_count, join_words
 from course_lib.ros import near_names
 from course_lib.ros.messages.definitions import FieldDefinition, definition, type_names
-from course_lib.ros.student_code import frame_of, is_own, line_of_student
+from course_lib.ros.student_code import frame_of, is_student_file, line_of_student
 
 # The hint for None in a field of text, and in another one.
 _NONE_VALUE = (
@@ -405,7 +405,7 @@ def none_hint(error: BaseException, text: str) -> str:
 
 def lines_above(error: BaseException) -> Iterator[str]:
     """Yield the lines of the student's failing function from the failing one upwards."""
-    own = [step for step in walk_tb(error.__traceback__) if is_own(step[0].f_code.co_filename)]
+    own = [step for step in walk_tb(error.__traceback__) if is_student_file(step[0].f_code.co_filename)]
     if own:
         frame, number = own[-1]
         lines = linecache.getlines(frame.f_code.co_filename)

@@ -74,7 +74,7 @@ def split(line: str) -> tuple[list[list[str]], tuple[str, Path] | None]:
     return commands, ("a" if arrows == [">>"] else "w", Path(file).expanduser())
 
 
-def run_piped(line: str, ros2: Callable[[Sequence[str], Write], None], write: Write) -> None:
+def run_pipeline(line: str, ros2: Callable[[Sequence[str], Write], None], write: Write) -> None:
     """Run a command line without its `ros2`. `write` receives the output of the last command.
 
     Raises:
@@ -203,7 +203,7 @@ def ros2_magic(line: str, *, interrupted: bool = False) -> None:
         ros2(arguments, source, write)
 
     try:
-        run_piped(line, run, sys.stdout.write)
+        run_pipeline(line, run, sys.stdout.write)
     # An open quotation mark, a missing file or a missing program.
     except (CourseError, ValueError, OSError) as error:
         raise UsageError(str(error)) from None

@@ -111,13 +111,13 @@ class Flow:
         is_new = name not in self.pages
         page = self.pages.setdefault(name, Page(number))
         page.number, page.ack = number, self._requested
-        self.remove_acknowledged()
+        self.drop_acknowledged_batches()
         return is_new
 
     def remove(self, name: str) -> None:
         """Remove a page."""
         self.pages.pop(name, None)
-        self.remove_acknowledged()
+        self.drop_acknowledged_batches()
 
     def count_message(self, number: int, size: int) -> bool:
         """Count a message of `size` bytes, and return whether it must request an acknowledgement.
@@ -150,7 +150,7 @@ class Flow:
         self.pages = {name: page for name, page in up_to_date.items() if page.ack >= ack}
         self._pending.clear()
 
-    def remove_acknowledged(self) -> None:
+    def drop_acknowledged_batches(self) -> None:
         """Remove the pending acknowledgements that all visible pages have sent."""
         pages = [page for page in tuple(self.pages.values()) if page.sight == "ready"]
         slowest = min((page.number for page in pages), default=-1)
@@ -269,7 +269,7 @@ class PageLink:
                     self._flow.pages[page].views = count
                 else:
                     self._flow.remove(page)
-                self._on_views_changed()
+                self._on_views_change()
             elif kind == "click":
                 click = from_json(Click, content)
         except (KeyError, TypeError, ValueError, MessageError) as error:
@@ -380,7 +380,7 @@ class PageLink:
         if kind in get_args(Sight):
             # Pages that are not visible may sleep, so their acknowledgements are not awaited.
             page_state.sight = cast("Sight", kind)
-            self._flow.remove_acknowledged()
+            self._flow.drop_acknowledged_batches()
         if page_state.sight != "ready":
             if not self.is_watched:
                 self.disconnect()
@@ -389,7 +389,7 @@ class PageLink:
         if kind == "resync" or not is_equal:
             self.reset(page)
 
-    def _on_views_changed(self) -> None:
+    def _on_views_change(self) -> None:
         views = sum(page.views for page in self._flow.pages.values())
         if not views:
             self.disconnect()
@@ -432,7 +432,7 @@ class PageLink:
             silence = 0.0 if self._flow.has_room() else silence + INTERVAL
             if silence > MAX_SILENCE:
                 self._flow.drop_silent_pages()
-                self._on_views_changed()
+                self._on_views_change()
             elif not silence:
                 self._changed.clear()
                 try:

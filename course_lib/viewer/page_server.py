@@ -26,7 +26,7 @@ from course_lib.viewer.scene import Scene
 _MAX_MESSAGE = 64 << 20
 
 
-class Guarded(RequestHandler):
+class GuardedHandler(RequestHandler):
     """Base class of handlers that respond only to requests with the right host and token.
 
     The token is in the path, because a cookie would be sent to every port of this machine. Behind a
@@ -47,7 +47,7 @@ class Guarded(RequestHandler):
         self.set_header("Referrer-Policy", "no-referrer")
 
 
-class _SceneHandler(Guarded):
+class _SceneHandler(GuardedHandler):
     def initialize(self, server: "PageServer") -> None:
         self.server, self.port, self.token = server, server.port, server.token
 

@@ -151,7 +151,7 @@ MARKERS_TASK = Task(
     personal={"threshold": (0.72, 0.75, 0.78, 0.81, 0.84, 0.87)},
 )
 
-EARLY, LATER, LAST, END = (inputs.on_circle(at) for at in (1.08, 3.08, 4.98, 6.48))  # [m]
+EARLY, LATER, LAST, END = (inputs.circle_position(at) for at in (1.08, 3.08, 4.98, 6.48))  # [m]
 # The yaw is far from 0, where a quaternion whose w stays 1 is nearly right.
 END_YAW = 6.48 + pi / 2 - 2 * pi  # [rad]
 KEPT_UP = expect_throughout(TRAJECTORY, hz=10.0, begin=1.1).worth(0)

@@ -54,16 +54,16 @@ class FaultyDisplay(DrawnDisplay):
         self._fail("update")
         super().update()
 
-    def on_changed(self, label: str) -> None:
-        self._fail("on_changed")
-        super().on_changed(label)
+    def on_property_change(self, label: str) -> None:
+        self._fail("on_property_change")
+        super().on_property_change(label)
 
     def rows(self) -> Any:
         self._fail("rows")
         return super().rows()
 
-    def on_view_turned(self, camera: Any) -> None:
-        self._fail("on_view_turned")
+    def on_view_turn(self, camera: Any) -> None:
+        self._fail("on_view_turn")
 
     def message_at(self, path: str) -> Any:
         self._fail("message_at")
@@ -101,7 +101,7 @@ def point(x: float = 1.0) -> PointStamped:
         ("convert", "Message"),
         ("drawables", "Message"),
         ("update", "Update"),
-        ("on_changed", "Properties"),
+        ("on_property_change", "Properties"),
         ("rows", "Statuses"),
     ],
 )
@@ -113,7 +113,7 @@ def test_exception_in_a_display_is_its_status_and_other_displays_continue(
         bench, faulty = bench_with(method, monkeypatch)
         bench.publish("/points", point())
         bench.update()
-        if method == "on_changed":
+        if method == "on_property_change":
             faulty["Topic/Filter size"] = 3
         rows = {row.name: row for row in bench.session.rows() if row.display == "Faulty"}
     assert {warning.category for warning in caught} == {DisplayFaultWarning}

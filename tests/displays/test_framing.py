@@ -77,7 +77,7 @@ SETTERS: dict[str, Callable[[Viewer], object]] = {
     "another view": lambda viewer: setattr(viewer, "view", TopDownOrtho(scale=50.0)),
     "an equal view": lambda viewer: setattr(viewer, "view", Orbit()),
     "RViz's key Z": lambda viewer: viewer.view.return_home(),
-    "a hand": lambda viewer: viewer.session.on_view_turned(Camera(eye=(3.0, 0.0, 2.0))),
+    "a hand": lambda viewer: viewer.session.on_view_turn(Camera(eye=(3.0, 0.0, 2.0))),
     "meshcat": lambda viewer: setattr(viewer.scene, "camera", Camera(eye=(3.0, 0.0, 2.0))),
 }
 

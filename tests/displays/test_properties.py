@@ -35,7 +35,7 @@ class Thing(PropertyHolder):
     def __repr__(self) -> str:
         return "Thing"
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         self.seen.append(label)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from course_lib.course.course_file import Limits
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.jail.launch import JailEnvironment, TemplateProcess, WorkerError, works
+from course_lib.grading.jail.launch import JailEnvironment, TemplateProcess, WorkerError, is_usable
 from course_lib.grading.jail.template import enter_jail
 from course_lib.grading.run import worker
 from course_lib.grading.run.scenario import ALL
@@ -199,7 +199,7 @@ def test_temporary_files_are_in_the_jail_even_if_their_folder_was_used_before(tm
         enter_jail(place, (), Limits())
         assert Path(tempfile.mkdtemp()).is_relative_to(tmp_path)
 
-    assert works(write)
+    assert is_usable(write)
 
 
 def test_worker_does_not_inherit_the_environment_of_the_grader(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,7 +18,7 @@ from course_lib import cli
 from course_lib.course.material import checkout_root, exercises_dir, lessons_dir, solutions_dir
 from course_lib.course.student_folder import prepare
 from course_lib.ros.graph.graph import Graph, use_graph
-from course_lib.tools.notebook import run_piped
+from course_lib.tools.notebook import run_pipeline
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.rqt.rqt import rqt
 from course_lib.tools.run import run_with_tool
@@ -188,7 +188,7 @@ def _run_course(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
 def _run_ros2(text: str) -> None:
     def tool(graph: Graph) -> None:
         source = GraphSource(graph, discovery=DISCOVERY)
-        run_piped(
+        run_pipeline(
             text.removeprefix("ros2 "), lambda words, write: ros2(words, source, write), sys.stdout.write
         )
 

@@ -11,7 +11,7 @@ from course_lib import cli
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import START_NS, Graph, use_graph
 from course_lib.ros.hints import hint
-from course_lib.ros.programs.packages import NotHereError, not_found_reason, packages, unavailable_reason
+from course_lib.ros.programs.packages import NotAvailableError, not_found_reason, packages, unavailable_reason
 from course_lib.ros.programs.program import run_files
 from course_lib.tools.run import ros2_over
 
@@ -231,7 +231,7 @@ def test_executable_of_a_package_with_cmake_macros_of_its_own_cannot_run_here(
     (driver / "package.xml").write_text("<package><name>driver</name></package>")
     (driver / "CMakeLists.txt").write_text("project(driver)\nour_macro(code)\n")
     (driver / "code" / "main.cpp").write_text("int main() {}\n")
-    with pytest.raises(NotHereError, match="'driver_node' of package 'driver' cannot run here"):
+    with pytest.raises(NotAvailableError, match="'driver_node' of package 'driver' cannot run here"):
         run_program(workspace / "driver:driver_node", capsys)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.tools.notebook import run_piped, split
+from course_lib.tools.notebook import run_pipeline, split
 from course_lib.tools.verb import Write
 
 TOPICS = "/camera/image\n/chatter\n/perception/boxes\n/rosout\n"
@@ -25,7 +25,7 @@ def output(line: str) -> str:
                 write(one)
 
     output: list[str] = []
-    run_piped(line, ros2, output.append)
+    run_pipeline(line, ros2, output.append)
     return "".join(output)
 
 
@@ -79,7 +79,7 @@ def test_shell_tool_that_exits_early_ends_an_endless_command() -> None:
             write("again\n" * 1000)
 
     output: list[str] = []
-    run_piped("topic echo /x | head -n 2", ros2, output.append)
+    run_pipeline("topic echo /x | head -n 2", ros2, output.append)
     assert "".join(output) == "again\nagain\n"
 
 
@@ -89,7 +89,7 @@ def test_command_error_is_reported_and_no_shell_tool_is_left_running() -> None:
         raise CourseError("Unknown topic '/x'")
 
     with pytest.raises(CourseError, match="Unknown topic"):
-        run_piped("topic info /x | cat", ros2, print)
+        run_pipeline("topic info /x | cat", ros2, print)
 
 
 @needs_tools

@@ -356,7 +356,7 @@ class OrderHandler:
 
     def _turn(self, order: protocol.TurnView) -> None:
         scale = order.scale or None
-        self._session.on_view_turned(Camera(order.eye, order.target, order.up, orthographic_scale=scale))
+        self._session.on_view_turn(Camera(order.eye, order.target, order.up, orthographic_scale=scale))
 
     def _select(self, order: protocol.SelectObject) -> None:
         self.selection = describe_selection(self._session, order.path, order.index)

@@ -45,7 +45,7 @@ class Tool(PropertyHolder):
     def __repr__(self) -> str:
         return self.label
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Do nothing, because properties are read when the tool is used."""
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
@@ -77,7 +77,7 @@ class PublishPoint(Tool):
         p = message.point
         return f"Published ({p.x:.2f}, {p.y:.2f}, {p.z:.2f}) in {message.header.frame_id} on {topic}."
 
-    def on_changed(self, label: str) -> None:
+    def on_property_change(self, label: str) -> None:
         """Advertise the current topic instead of the previous one."""
         if self.node is not None and self.advertised is not None:
             self.node.withdraw(*self.advertised)

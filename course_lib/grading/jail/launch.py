@@ -316,7 +316,7 @@ def settle(
             tops = sorted({"/" + path.split("/")[1] for path in read})
             folder, visible_paths = (INSIDE, tops) if has_own else (scratch, read)
             place = JailEnvironment(root, user, number, folder, tuple(visible_paths), tuple(listed))
-            if works(lambda place=place: _try(place, read, links)):  # type: ignore[misc]
+            if is_usable(lambda place=place: _try(place, read, links)):  # type: ignore[misc]
                 if has_own:
                     os.rmdir(scratch)
                 _move(place, read, links)
@@ -325,7 +325,7 @@ def settle(
     raise OSError("no jail environment can be set up")
 
 
-def works(layer: Callable[[], object]) -> bool:
+def is_usable(layer: Callable[[], object]) -> bool:
     """Return whether a call succeeds in a fork. If the fork is killed, the call is repeated.
 
     The call may fork itself.

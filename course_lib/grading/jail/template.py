@@ -25,7 +25,7 @@ from select import select
 from course_lib.course.course_file import Limits
 from course_lib.grading.jail import filters
 from course_lib.grading.jail.filters import Excess, Usage, wait_any_child
-from course_lib.grading.jail.launch import DEVICES, HOMES, JailEnvironment, settle, works
+from course_lib.grading.jail.launch import DEVICES, HOMES, JailEnvironment, is_usable, settle
 from course_lib.grading.run.worker import Worker, warm_up
 from course_lib.ros.graph.remote import Channel
 from course_lib.third_party import read_json
@@ -46,10 +46,10 @@ def working_layers(place: JailEnvironment, off: Collection[str]) -> list[str]:
     # Namespaces alone do not hide the machine's files.
     if place.root == "host":
         del tries["namespaces"]
-    layers += [name for name, layer in tries.items() if name not in off and works(layer)]
+    layers += [name for name, layer in tries.items() if name not in off and is_usable(layer)]
     is_bounded = "limits" in layers and "process limit" not in off and platform.system() == "Linux"
     # The kernel does not limit the number of root's processes.
-    if is_bounded and works(lambda: _require_process_limit(place, layers)):
+    if is_bounded and is_usable(lambda: _require_process_limit(place, layers)):
         layers.append("process limit")
     return layers
 

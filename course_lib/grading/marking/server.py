@@ -41,7 +41,7 @@ from course_lib.grading.submissions.submission import content_hash, graded_file,
 from course_lib.grading.task import Task
 from course_lib.host import hub_prefix, user_name
 from course_lib.third_party import read_json
-from course_lib.viewer.page_server import Guarded, open_sockets
+from course_lib.viewer.page_server import GuardedHandler, open_sockets
 
 PAUSE = 3.0  # [s] to wait for further marks before reports are written
 
@@ -206,7 +206,7 @@ class MarkingState:
         }
 
 
-class _MarkingHandler(Guarded):
+class _MarkingHandler(GuardedHandler):
     def initialize(self, desk: MarkingState) -> None:
         self.desk, self.port, self.token = desk, desk.port, desk.token
 

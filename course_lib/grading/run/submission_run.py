@@ -185,7 +185,7 @@ class Output:
         self._kept, self._is_truncated, self._is_closed = bytearray(), False, False
         self._lock = threading.Lock()
         os.set_blocking(pipe, False)
-        self._reader = threading.Thread(target=self._read_until_closed, daemon=True)
+        self._reader = threading.Thread(target=self._read_all, daemon=True)
         self._reader.start()
 
     def take(self) -> str:
@@ -203,7 +203,7 @@ class Output:
         self._reader.join()
         os.close(self._pipe)
 
-    def _read_until_closed(self) -> None:
+    def _read_all(self) -> None:
         while not self._is_closed:
             if select([self._pipe], [], [], 0.1)[0]:
                 with self._lock:
@@ -225,7 +225,7 @@ MOST_CPU = 1e6  # [s] plausible maximum of a scenario's CPU time
 ENDED_EARLY = "the process ended before the program did (os._exit, a crash, or killed)"
 
 
-class CrowdedError(remote.ChannelError):
+class ProcessLimitError(remote.ChannelError):
     """Raised if a cell used up all processes of a submission, because each scenario needs one."""
 
 
@@ -281,7 +281,7 @@ class SubmissionRun:
         self._files = dict(files or {})
         self._time_budget = Budget(limits.total_seconds, personal)  # scenario time [s]
         self._size_budget = Budget(MOST_EVIDENCE, personal)  # size of evidence [B]
-        self._deadline, self._cells_left = 0.0, limits.total_seconds  # deadline and remaining cell time [s]
+        self._deadline, self._cell_seconds = 0.0, limits.total_seconds  # deadline and remaining cell time [s]
         self._worker: WorkerProcess | None = None
         self._hung_tasks: set[str] = set()  # task ids
 
@@ -334,14 +334,14 @@ class SubmissionRun:
 
     def _ready_worker(self) -> WorkerProcess | None:
         """Return the worker after it has run all cells, or None if their time has expired."""
-        self._deadline = wall.monotonic() + self._cells_left
+        self._deadline = wall.monotonic() + self._cell_seconds
         while self._worker is None and self._remaining_cell_time() > 0:
             worker = self._worker = WorkerProcess(self._template, self._limits, self._cells)
             is_ready = self._run_cells(worker)
             self._deadline += worker.waiting.granted
             if not is_ready:
                 self.close()
-        self._cells_left = self._remaining_cell_time()
+        self._cell_seconds = self._remaining_cell_time()
         return self._worker
 
     def _run_cells(self, worker: WorkerProcess) -> bool:
@@ -363,7 +363,7 @@ class SubmissionRun:
                             log.limit = log.limit or find_exceeded_limit(log.errors)
                         return True
                     case ["crowded"]:
-                        raise CrowdedError("no further process could be started")
+                        raise ProcessLimitError("no further process could be started")
                     case _:
                         raise remote.ChannelError("the worker did not report the next cell")
         except remote.ChannelError as error:
@@ -379,7 +379,7 @@ class SubmissionRun:
                     met, why = worker.excess.limit, f"was stopped: {worker.excess.message}"
                 case remote.ChannelTimeoutError():
                     met, why = "time", f"was stopped after {limit:g} s"
-                case CrowdedError():
+                case ProcessLimitError():
                     met, why = "processes", f"was stopped: it left so many processes running that {error}"
                 case _:
                     met, why = "", f"ended the process ({error})"

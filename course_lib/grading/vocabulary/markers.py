@@ -348,7 +348,7 @@ class MarkerScene:
             raise no_markers_problem(self._evidence, self.topic, self.at)
         if own_problems := self._own_problems(index):
             return own_problems
-        return [Problem(self.surplus, SURPLUS)] if self.surplus and self._fails_for_surplus(index) else []
+        return [Problem(self.surplus, SURPLUS)] if self.surplus and self._is_surplus_failure(index) else []
 
     def _own_problems(self, index: int) -> list[Problem]:
         owners = [
@@ -361,7 +361,7 @@ class MarkerScene:
             owners = [min(range(len(self.markers)), key=lambda marker: self._misfit_key([index], marker))]
         return next(filter(None, (self._problems(index, marker) for marker in owners)), [])
 
-    def _fails_for_surplus(self, index: int) -> bool:
+    def _is_surplus_failure(self, index: int) -> bool:
         """Return whether a passing check fails because of surplus markers."""
         if self.asked[index].is_personal:
             return True

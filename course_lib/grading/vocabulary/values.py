@@ -71,12 +71,12 @@ def expect_value(
         return [
             problem
             for index, (row, expected_row) in rows
-            for problem in _compare_parts(
+            for problem in _compare_components(
                 row, expected_row, parts, axes, tolerance, unit, f"row {index} of {name}"
             )
         ]
     if parts and _are_rows([value, right], parts):
-        return _compare_parts(value, right, parts, axes, tolerance, unit, name)
+        return _compare_components(value, right, parts, axes, tolerance, unit, name)
     return compare(value, right, tolerance, unit, name, axes)
 
 
@@ -85,7 +85,7 @@ def _are_rows(rows: Any, parts: Sequence[str]) -> bool:
     return isinstance(rows, list) and all(isinstance(row, list) and len(row) == len(parts) for row in rows)
 
 
-def _compare_parts(
+def _compare_components(
     row: list[Any],
     expected: list[Any],
     parts: Sequence[str],

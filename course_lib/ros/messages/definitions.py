@@ -202,7 +202,7 @@ def add_stored_definition(type_name: str, text: str) -> None:
         return
     stored, defaults = dict[str, Any](), dict[tuple[str, str], Any]()
     try:
-        for file, content in interface_files.split_stored(type_name, text).items():
+        for file, content in interface_files.split_definitions(type_name, text).items():
             interface_files.check_lines(content, file)
             stored |= interface_files.parse_interface(content, file)
             defaults |= interface_files.parse_defaults(content, file)

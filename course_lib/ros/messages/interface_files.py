@@ -158,7 +158,7 @@ def parse_interface(text: str, file: str, path: Path | None = None) -> dict[str,
     return types
 
 
-def split_stored(type_name: str, text: str) -> dict[str, str]:
+def split_definitions(type_name: str, text: str) -> dict[str, str]:
     """Split the definition of a type that a bag stores into one text for each interface file.
 
     Lines of = and `MSG: my_msgs/Name` precede each type that the first one refers to. Definitions

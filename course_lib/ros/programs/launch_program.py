@@ -93,7 +93,9 @@ class Placeholder(Action, Substitution):
     def visit(self, context: LaunchContext) -> NoReturn:
         """Raise the error that makes the launch skip the action."""
         package = self.origin.partition(".")[0]
-        raise packages.NotHereError(f"package '{package}' not found: {packages.unavailable_reason(package)}")
+        raise packages.NotAvailableError(
+            f"package '{package}' not found: {packages.unavailable_reason(package)}"
+        )
 
     def perform(self, context: LaunchContext) -> NoReturn:
         """Raise the error that makes the launch skip the action that uses the placeholder."""
@@ -326,7 +328,7 @@ class LaunchProgram(Process):
         """Start an executable. Raise a CourseError if there is none."""
         arguments = list(arguments)
         if reason := packages.reason_in(" ".join(arguments)):
-            raise packages.NotHereError(reason)
+            raise packages.NotAvailableError(reason)
         for argument in arguments:
             if match := _OBJECT.search(argument):
                 # An f-string with a substitution; ROS passes this string without a warning.
@@ -596,7 +598,7 @@ def prepare_imports(file: Path) -> None:
 
 def _skip_reason(entity: object, error: Exception) -> str:
     """Return why the launch continues without an entity; "" if the launch file itself is wrong."""
-    if isinstance(error, packages.NotHereError | PackageNotFoundError):
+    if isinstance(error, packages.NotAvailableError | PackageNotFoundError):
         return str(error)
     if isinstance(entity, IncludeLaunchDescription) and isinstance(error, ModuleNotFoundError):
         return hint(error) or str(error)

@@ -11,7 +11,7 @@ from typing import Any
 from course_lib.errors import CourseError, did_you_mean, location_of
 from course_lib.ros.programs.build_files import malformed_script
 from course_lib.ros.programs.packages import (
-    NotHereError,
+    NotAvailableError,
     Package,
     find_package,
     not_found_reason,
@@ -73,7 +73,7 @@ def find_executable(
     if (package, executable) in kit_executables:
         return kit_executables[package, executable]
     if package_found is not None and executable in package_found.compiled:
-        raise NotHereError(
+        raise NotAvailableError(
             f"'{executable}' of package '{package}' is a compiled program, and this kit runs "
             "Python only. Build it with colcon on a computer with ROS 2, or write the node in "
             "Python."
@@ -81,9 +81,9 @@ def find_executable(
     if package_found is None and (why := unavailable_reason(package)):
         is_partly_here = any(owner == package for owner, _ in kit_executables)
         subject = f"executable '{executable}' of package" if is_partly_here else "package"
-        raise NotHereError(f"{subject} '{package}' not found: {why}")
+        raise NotAvailableError(f"{subject} '{package}' not found: {why}")
     if package_found is not None and _is_built_by_other_macros(package_found):
-        raise NotHereError(
+        raise NotAvailableError(
             f"'{executable}' of package '{package_found.name}' cannot run here: the package has "
             "sources in C++ and "
             f"no Python executables. Its {package_found.share / 'CMakeLists.txt'} builds them "
@@ -94,7 +94,7 @@ def find_executable(
         *(name for owner, name in kit_executables if owner == package),
     ]
     if not names and package_found is None:
-        raise NotHereError(not_found_reason(package, {owner for owner, _ in kit_executables}))
+        raise NotAvailableError(not_found_reason(package, {owner for owner, _ in kit_executables}))
     advice = ""
     if package_found is not None:
         advice = malformed_script(package_found.share / "setup.py") or (

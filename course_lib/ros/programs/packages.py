@@ -39,7 +39,7 @@ INSTALLED = Path("/opt/ros/jazzy/share")
 _absent: ContextVar[dict[str, str] | None] = ContextVar("absent", default=None)
 
 
-class NotHereError(CourseError):
+class NotAvailableError(CourseError):
     """A part of ROS cannot run here, because a package is missing or a program is compiled."""
 
 

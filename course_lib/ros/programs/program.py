@@ -23,7 +23,7 @@ from course_lib.ros.programs import import_path
 from course_lib.ros.programs.package_programs import Executables, RunProgram
 from course_lib.ros.programs.packages import LAUNCH_IN_WORDS
 from course_lib.ros.programs.process import NotebookProgram, Process, Processes, Program
-from course_lib.ros.student_code import is_own
+from course_lib.ros.student_code import is_student_file
 from course_lib.ros.time import virtual_time
 from course_lib.ros.time.interrupts import keep_signal_handlers
 from course_lib.ros.time.time_lock import time_lock
@@ -175,7 +175,7 @@ def _exit_on_second_interrupt() -> Callable[[int, FrameType | None], None]:
             sys.stderr.write("Stopped at once.\n")
             sys.stderr.flush()
             os._exit(130)
-        if frame is not None and is_own(frame.f_code.co_filename):
+        if frame is not None and is_student_file(frame.f_code.co_filename):
             line = format_location(frame.f_code.co_filename, frame.f_lineno)
             sys.stderr.write(
                 f"interrupted in {line}\nhint: robot time passes only in calls of ROS, in time.sleep and in "

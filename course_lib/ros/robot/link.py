@@ -219,7 +219,7 @@ class Link(ABC):
         """Return the topic on which messages of a topic leave this kit, by default the topic itself."""
         return topic
 
-    def on_sent(self, topic: str) -> None:  # noqa: B027  only a gateway needs it
+    def on_send(self, topic: str) -> None:  # noqa: B027  only a gateway needs it
         """Record that a message on a topic has been sent, for links through a gateway."""
 
     @abstractmethod

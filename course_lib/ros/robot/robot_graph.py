@@ -411,7 +411,7 @@ class RemoteEntities:
         if entity.kind == "node":
             node = self._nodes.pop(entity.node_key, None)
             for gid in tuple(self._publishers):
-                self._keep_latched(gid, node)
+                self._keep_latched_samples(gid, node)
             if node is not None:
                 for info in self._topics.endpoints():
                     if info.node == node:
@@ -420,7 +420,7 @@ class RemoteEntities:
         elif (endpoint := self._endpoints.pop(entity.key, None)) is not None:
             self.servers[entity.topic] -= entity.kind == "server"
             if entity.kind == "publisher":
-                self._keep_latched(entity.gid, None)
+                self._keep_latched_samples(entity.gid, None)
                 self._publishers.pop(entity.gid, None)
             known = self._topics.publishers.get(endpoint) or self._topics.subscriptions.get(endpoint)
             if known is not None:
@@ -431,7 +431,7 @@ class RemoteEntities:
         for listener in self._graph.remote_listeners:
             listener(self._graph, info, has_joined)
 
-    def _keep_latched(self, gid: bytes, node: int | None) -> None:
+    def _keep_latched_samples(self, gid: bytes, node: int | None) -> None:
         """Keep the latched messages of a leaving publisher: the link may only be interrupted."""
         publisher = self.publisher(gid)
         if publisher is not None and publisher.latched and node in (None, publisher.info.node):
@@ -487,7 +487,7 @@ class RobotGraph(Graph):
         self._subscriptions = TopicSubscriptions(link, self._on_message)
         self._sending = OutgoingTraffic()
         self._services = Services(link, self._on_service_data)
-        self._remote = RemoteEntities(self, self._topics, self._on_entity_added)
+        self._remote = RemoteEntities(self, self._topics, self._on_new_entity)
         # Endpoints of TAP_NODE by topic and type.
         self._tap_endpoints: dict[tuple[str, str], int] = {}
         self._tap_node: int | None = None
@@ -604,7 +604,7 @@ class RobotGraph(Graph):
         info = self._topics.publishers[endpoint].info
         if info.service is None:
             if self._sending.put(endpoint, cdr):
-                self.link.on_sent(info.topic)
+                self.link.on_send(info.topic)
             else:
                 self.blocked.add(info.topic, "--send")
         elif not info.is_client:
@@ -697,7 +697,7 @@ class RobotGraph(Graph):
         for subscription in self._topics.subscriptions_of_type(topic, type_name):
             self._deliver(sample, subscription)
 
-    def _on_entity_added(self, entity: Entity) -> None:
+    def _on_new_entity(self, entity: Entity) -> None:
         self._report_once(entity.type_name, type_warning(entity))
         if entity.kind == "publisher":
             if entity.topic == CLOCK and self._clock_found_at is None:

@@ -19,7 +19,7 @@ from typing import Any
 
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.notices import say
-from course_lib.ros.student_code import is_own
+from course_lib.ros.student_code import is_student_file
 from course_lib.ros.time import wall
 from course_lib.ros.time.time_lock import real_getsignal, real_signal, time_lock
 from course_lib.ros.tracebacks import line_of_thread, line_of_traceback
@@ -226,7 +226,7 @@ def _interrupt(_number: int, frame: FrameType | None) -> None:
                 # The function that has called the callback.
                 if caller.f_code.co_name == "await_or_execute":
                     break
-                if is_own(caller.f_code.co_filename):
+                if is_student_file(caller.f_code.co_filename):
                     caller.f_trace = trace
             sys.settrace(lambda *_: None)
             return

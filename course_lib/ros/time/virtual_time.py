@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import START_NS, current_graph, program
-from course_lib.ros.student_code import is_own
+from course_lib.ros.student_code import is_student_file
 from course_lib.ros.time import wall
 from course_lib.ros.time.time_lock import (
     POLL_STEP_NS,
@@ -129,7 +129,7 @@ def compile_program(source: bytes, file: str) -> Any:
 def _get_code(loader: SourceFileLoader, name: str) -> Any:
     """Return a module's code; a student's own is compiled with `compile_program` and not cached."""
     path = loader.get_filename(name)
-    source = loader.get_data(path) if is_own(path) else b""
+    source = loader.get_data(path) if is_student_file(path) else b""
     return compile_program(source, path) if b"while" in source else _real_get_code(loader, name)
 
 

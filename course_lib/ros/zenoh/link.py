@@ -126,7 +126,7 @@ class DriverReport:
         for topic in tuple(self._reported) if has_changed else ():
             self._explain(topic)
 
-    def on_sent(self, topic: str) -> None:
+    def on_send(self, topic: str) -> None:
         """Record that a message on a topic has been sent."""
         if topic not in self._reported:
             self._reported[topic] = False
@@ -586,10 +586,10 @@ class ZenohLink(Link):
         """Return the topic on which messages leave this kit: at a gateway, in the student's namespace."""
         return self._login.network_topic(topic)
 
-    def on_sent(self, topic: str) -> None:
+    def on_send(self, topic: str) -> None:
         """Report that a gateway does not forward a topic because this student is not the driver."""
         if self._driver_report is not None:
-            self._driver_report.on_sent(topic)
+            self._driver_report.on_send(topic)
 
     def status_rows(self) -> list[tuple[str, object]]:
         """Return the driver at a gateway as a row of `ros2 doctor`."""

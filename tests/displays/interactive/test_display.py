@@ -182,7 +182,7 @@ def test_view_facing_control_rotates_with_the_view(stage: Stage) -> None:
     stage.show(marker)
     path = "displays/InteractiveMarkers/handles/box/controls/face"
     for eye in ((10.0, 0.0, 0.0), (0.0, 0.0, 10.0)):
-        stage.viewer.session.on_view_turned(Camera(eye=eye, up=(0.0, 1.0, 0.0)))
+        stage.viewer.session.on_view_turn(Camera(eye=eye, up=(0.0, 1.0, 0.0)))
         x_axis = stage.viewer.scene.world_transform(path)[:3, 0]
         assert x_axis == pytest.approx(-np.array(eye) / 10, abs=1e-3)
 
@@ -235,7 +235,7 @@ def test_frame_without_motion_makes_no_scene_changes(stage: Stage) -> None:
     stage.viewer.scene.listen(lambda what, path: changes.append(f"{what} {path}"))
     stage.viewer.look()
     assert changes == []
-    stage.viewer.session.on_view_turned(Camera(eye=(0.0, 9.0, 4.0)))
+    stage.viewer.session.on_view_turn(Camera(eye=(0.0, 9.0, 4.0)))
     assert any(change.endswith("/title") for change in changes)
 
 

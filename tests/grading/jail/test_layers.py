@@ -18,8 +18,8 @@ from course_lib.grading.jail.launch import (
     KilledStartError,
     TemplateProcess,
     WorkerError,
+    is_usable,
     shared_template,
-    works,
 )
 from course_lib.grading.run.run import Job, Step, prepare, run
 from course_lib.grading.run.submission_run import SubmissionRun
@@ -161,11 +161,11 @@ def test_layer_with_one_killed_trial_is_tried_again(tmp_path: Path) -> None:
             (tmp_path / "tried").touch()
             os.kill(os.getpid(), signal.SIGKILL)
 
-    assert works(layer)
+    assert is_usable(layer)
 
 
 def test_layer_with_all_trials_killed_does_not_work() -> None:
-    assert not works(lambda: os.kill(os.getpid(), signal.SIGKILL))
+    assert not is_usable(lambda: os.kill(os.getpid(), signal.SIGKILL))
 
 
 @pytest.mark.slow

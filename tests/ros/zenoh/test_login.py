@@ -61,13 +61,13 @@ def test_gateway_token_contains_the_driver_and_the_topics(driver: str, topics: l
 def test_student_is_notified_once_per_driver_about_topics_not_forwarded() -> None:
     lines: list[str] = []
     report = DriverReport(Login("bob", "x"), lines.append)
-    report.on_sent("/cmd_vel")  # before the gateway has announced it
+    report.on_send("/cmd_vel")  # before the gateway has announced it
     for driver in ("ann", "", "bob"):
         for _ in range(3):
             report.change(driver, ["/cmd_vel"])
-            report.on_sent("/cmd_vel")
-            report.on_sent("/note")
-            report.on_sent("/students/bob/own")
+            report.on_send("/cmd_vel")
+            report.on_send("/note")
+            report.on_send("/students/bob/own")
     assert lines == [
         "ann drives: your /cmd_vel is not passed on to the robot. The instructor chooses the driver.",
         "The gateway does not pass /note on to the robot: others hear it as /students/bob/note.",
@@ -82,6 +82,6 @@ def test_driver_and_link_without_a_gateway_receive_no_notice() -> None:
     driver, direct = DriverReport(Login("ann", "x"), lines.append), DriverReport(Login(), lines.append)
     driver.change("ann", ["/cmd_vel"])
     for report in (driver, direct):
-        report.on_sent("/cmd_vel")
+        report.on_send("/cmd_vel")
     assert not lines
     assert not direct.status_rows()

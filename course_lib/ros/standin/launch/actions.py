@@ -13,7 +13,7 @@ from typing import Any
 
 from ament_index_python.packages import PackageNotFoundError
 
-from course_lib.ros.programs.packages import NotHereError, unavailable_reason
+from course_lib.ros.programs.packages import NotAvailableError, unavailable_reason
 from launch.conditions import as_bool
 from launch.entities import (
     Action,
@@ -289,9 +289,9 @@ class ExecuteLocal(Action):
         if name == "ros2" and program_arguments[:1] == ["control"]:
             # Only ros2_control provides this command, which launch files use to start its
             # controllers.
-            raise NotHereError(f"`ros2 control` cannot run here: {unavailable_reason('ros2_control')}")
+            raise NotAvailableError(f"`ros2 control` cannot run here: {unavailable_reason('ros2_control')}")
         if name == "ros2" and program_arguments[:1] == ["component"]:
-            raise NotHereError(
+            raise NotAvailableError(
                 f"`{shlex.join([name, *program_arguments])}` cannot run here: there are no "
                 "containers. List the components in composable_node_descriptions of a "
                 "ComposableNodeContainer."
@@ -312,8 +312,8 @@ class ExecuteLocal(Action):
         else:
             command = shlex.join([program, *program_arguments])
             if reason := unavailable_reason(_PROJECTS.get(name, name)):
-                raise NotHereError(f"`{command}` cannot run here: {reason}")
-            raise NotHereError(
+                raise NotAvailableError(f"`{command}` cannot run here: {reason}")
+            raise NotAvailableError(
                 f"ExecuteProcess is not available here: `{command}` would run outside robot time. "
                 "Start nodes with launch_ros.actions.Node; run other commands beside the launch."
             )
@@ -455,7 +455,7 @@ class IncludeLaunchDescription(Action):
         def do(context: LaunchContext) -> list[LaunchDescriptionEntity]:
             outer, file = context.file, str(source.location(context))
             if not Path(file).exists() and Path(f"{file}.in").is_file():
-                raise NotHereError(
+                raise NotAvailableError(
                     f"{file} is made from {Path(file).name}.in when its package is built by CMake."
                 )
             description = source.get_launch_description(context)

@@ -9,7 +9,7 @@ from types import FrameType, SimpleNamespace
 from typing import Any, Protocol, TypeAlias, Union
 
 from course_lib.errors import CourseError
-from course_lib.ros.student_code import KIT, is_own
+from course_lib.ros.student_code import KIT, is_student_file
 
 SomeSubstitutionsType: TypeAlias = Union[str, Path, "Substitution", Iterable["SomeSubstitutionsType"]]
 SomeEntitiesType: TypeAlias = Union["LaunchDescriptionEntity", Iterable["LaunchDescriptionEntity"]]
@@ -222,7 +222,7 @@ def _location_in_launch_file() -> tuple[str, int] | None:
     frame: FrameType | None = sys._getframe(2)
     while frame is not None:
         name = frame.f_code.co_filename
-        if name.startswith(SHIPPED) or is_own(name):
+        if name.startswith(SHIPPED) or is_student_file(name):
             return name, frame.f_lineno
         frame = frame.f_back
     return None

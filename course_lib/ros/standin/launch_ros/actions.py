@@ -29,7 +29,7 @@ from lifecycle_msgs.msg import Transition, TransitionEvent
 from course_lib.ros.graph.graph import ProgramNodes, current_graph
 from course_lib.ros.graph.topics import SERVICE_HEADER, Qos, service_topics
 from course_lib.ros.messages import deserialize, serialize
-from course_lib.ros.programs.packages import NotHereError
+from course_lib.ros.programs.packages import NotAvailableError
 from launch_ros.events.lifecycle import ChangeState, StateTransition, matches_node_name
 from launch_ros.parameter_descriptions import ParameterFile, check_values, evaluate_value, words_for
 
@@ -264,7 +264,7 @@ class Node(Action):
             return None
         try:
             context.runner.start(self, text_of(context, self._package), executable, arguments)
-        except NotHereError:
+        except NotAvailableError:
             # The executables of ROS usually have the same names as their nodes.
             name = executable if common.name is None else text_of(context, common.name)
             current_graph().left_out_nodes.add(name)

@@ -89,7 +89,7 @@ class XmlEntity(_Element):
             return text
         if kind is float and isinstance(value, int) and not isinstance(value, bool):
             return float(value)
-        if not _fits(value, kind):
+        if not _is_valid_value(value, kind):
             raise self._type_error(name, kind, text)
         return value
 
@@ -141,7 +141,7 @@ class YamlEntity(_Element):
         """Return the value of a key, which may be a string with substitutions; None without the key."""
         self._asked.add(name)
         value = self._mapping().get(name)
-        if value is not None and not isinstance(value, str) and not _fits(value, kind):
+        if value is not None and not isinstance(value, str) and not _is_valid_value(value, kind):
             raise self._type_error(name, kind, value)
         return value
 
@@ -163,7 +163,7 @@ class YamlEntity(_Element):
 Entity: TypeAlias = XmlEntity | YamlEntity
 
 
-def _fits(value: object, kind: type | None) -> bool:
+def _is_valid_value(value: object, kind: type | None) -> bool:
     if kind is None:
         return isinstance(value, str | bool | int | float | list)
     return isinstance(value, kind) and not (kind is int and isinstance(value, bool))

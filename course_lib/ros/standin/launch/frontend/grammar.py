@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
 
 from course_lib.errors import did_you_mean
-from course_lib.ros.programs.packages import NotHereError, not_found_reason
+from course_lib.ros.programs.packages import NotAvailableError, not_found_reason
 from launch.conditions import IfCondition, UnlessCondition
 from launch.entities import (
     Action,
@@ -226,7 +226,7 @@ def actions(entity: Entity, name: str = "") -> list[Action]:
 
 
 def _leave_out(reason: str, context: LaunchContext) -> NoReturn:
-    raise NotHereError(reason)
+    raise NotAvailableError(reason)
 
 
 def _action(entity: Entity) -> Action:
