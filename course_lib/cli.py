@@ -636,7 +636,7 @@ def run(
         ),
     ] = None,
 ) -> None:
-    """Run programs in robot time, or with a robot. Arguments after `--` are the programs'."""
+    """Run programs in robot time, or with a robot. Arguments after `--` are for the programs."""
     if ros:
         from course_lib.real.process import run_on_ros
 

@@ -12,7 +12,7 @@ from course_lib.errors import CourseError
 
 
 def user_name() -> str:
-    """Return the login name of the user, or "user1234" for a user who has a number only.
+    """Return the login name of the user, or "user1234" for a user with a number only.
 
     In containers of OpenShift and on some hubs, the user has no entry in the machine's list.
     """

@@ -1,4 +1,4 @@
-"""Correct answers without one statement or one imported name, none of which may pass if it crashes.
+"""Correct answers with one statement or imported name deleted. None may pass if it crashes.
 
 A check that only inspects an answer, or calls too little of it, passes answers that crash when they
 are used. Such answers are generated, because authors would miss some. Each statement of a correct
@@ -75,7 +75,7 @@ class _Statement:
 
 @dataclass(frozen=True)
 class Code:
-    """The code cells of an answer, and which of their statements each task needs."""
+    """The code cells of an answer, and the statements that each task depends on."""
 
     cells: tuple[str, ...]
 

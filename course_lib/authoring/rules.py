@@ -122,7 +122,7 @@ VAGUE = {"here", "this", "link", "click here"}
 
 
 def unclean_cells(page: NotebookPage) -> Iterator[str]:
-    """Yield cells with outputs, duplicate cell ids, a wrong kernel, and JSON in another format."""
+    """Yield a flaw for outputs, duplicate cell ids, a wrong kernel, and JSON in another format."""
     full = [cell["id"] for cell in page.cells if cell.get("outputs") or cell.get("execution_count")]
     if full:
         yield f"the cells {full} have outputs: clear all outputs"
@@ -533,7 +533,7 @@ def input_flaws(week: str, course: Course) -> Iterator[Flaw]:
 
 
 def invalid_messages(task: Task, scenarios: Sequence[Scenario], path: Path) -> Iterator[Flaw]:
-    """Yield a flaw for each input, and message of the expected picture, that does not fit its type."""
+    """Yield a flaw for each input or expected message that does not match its type."""
     messages = [message for scenario in scenarios for message in scenario.inputs]
     literals = dict.fromkeys(
         problem

@@ -316,7 +316,7 @@ def _reason(error: Exception) -> str:
 
 
 def _publishable_outputs(output: Any) -> Iterator[Any]:
-    """Yield an output without answers, this machine's folders and widgets, which need a kernel."""
+    """Yield an output without answers, folders of this machine, or widgets, which need a kernel."""
     if output["output_type"] == "stream":
         output["text"] = NO_PAGE.sub("", output["text"]).replace(sys.prefix, HERE)
         if output["text"].strip():

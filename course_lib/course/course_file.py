@@ -208,7 +208,7 @@ class CourseFile:
         return [name for name in self.weeks[week].extensions if name not in known]
 
     def closing_time(self, week: str) -> datetime:
-        """Return when the last student's submission of a week stops getting points.
+        """Return the time after which no student receives points for a week.
 
         Raises:
             CourseError: The week has no deadline, or late submissions get points without end.

@@ -198,7 +198,7 @@ def last_check(state: State, task_id: str) -> LastCheck | None:
 
 
 def save_packed_submission(state: State, exercise: str, packed: PackedSubmission) -> None:
-    """Store what `course submit` has packed."""
+    """Store the data of the file that `course submit` has written."""
     state.put(PACKED, exercise, asdict(packed))
 
 

@@ -99,7 +99,7 @@ class Cloud:
         return np.stack([self.channels[axis] for axis in _XYZ], axis=-1).astype(np.float32)
 
     def is_single(self, name: str, *, or_whole: bool = False) -> bool:
-        """Return whether a channel has single precision, or with `or_whole` 32-bit integers."""
+        """Return whether a channel has 32-bit floats or, with `or_whole`, 32-bit integers."""
         kinds = ("f", "u") if or_whole else ("f",)
         channel = self.channels.get(name)
         return channel is not None and channel.dtype.itemsize == 4 and channel.dtype.kind in kinds
@@ -716,7 +716,7 @@ class Shadows:
 
 
 def _decode_depth_png(message: Any) -> AnyArray:
-    """Decode the numbers in a PNG; compressedDepth may encode the inverse of depths."""
+    """Decode the values in a PNG. The format compressedDepth may contain inverse depths."""
     from PIL import Image, UnidentifiedImageError
 
     data = bytes(message.data)

@@ -481,7 +481,7 @@ class TopicDisplay(Display):
         )
 
     def reset(self) -> None:
-        """Discard all messages, including those in the queue."""
+        """Discard all messages, including queued ones."""
         super().reset()
         self._count = 0
         self._waiting.clear()
@@ -588,7 +588,7 @@ class TopicDisplay(Display):
         self.statuses.hint("Waiting", *hint)
 
     def _drop(self, message: Any, reason: str) -> None:
-        """Add a hint with the text that RViz only logs."""
+        """Report a dropped message as a hint, with the text that RViz writes to its log."""
         header = message.header
         self._dropped_ns = self.context.now_ns
         self.statuses.hint(

@@ -103,7 +103,7 @@ class Frames:
         return f"No transform to fixed frame [{self.fixed_frame}]. TF error: [{error}]"
 
     def is_too_old(self, frame: str, stamp_ns: int) -> bool:
-        """Return whether tf2 has discarded the transforms of a time [ns], and RViz its message."""
+        """Return whether a stamp [ns] is older than tf2's data, so that RViz drops the message."""
         return self.buffer.is_too_old(self.fixed_frame, frame.removeprefix("/"), stamp_ns)
 
     def global_status(self) -> tuple[Level, str]:

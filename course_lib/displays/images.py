@@ -250,7 +250,7 @@ class PictureDisplay(TopicDisplay):
             self.show(downsample(pixels, _COLUMNS), *pixels.shape[:2])
 
     def show(self, pixels: Pixels, rows: int, columns: int) -> None:
-        """Show an image, which had so many rows and columns before it was made smaller."""
+        """Show an image. `rows` and `columns` are its size before downsampling."""
         self.context.scene.set_object(f"{self.path}/picture", Inset(pixels))
 
     def limits(self, values: AnyArray) -> tuple[float, float]:
@@ -325,7 +325,7 @@ class CameraDisplay(PictureDisplay):
         return info_topic(self["Topic"].removesuffix("/compressed"))
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
-        """Set properties from a layout, where Visibility has a Value among the displays."""
+        """Set properties from a layout, in which Visibility also has an entry Value."""
         visibility = config.get("Visibility")
         if isinstance(visibility, Mapping):
             flat = {

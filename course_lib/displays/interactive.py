@@ -251,7 +251,7 @@ class SceneControl:
     turned: float = 0.0
 
     def orientation(self, pose: Matrix, camera: Matrix) -> Matrix:
-        """Return the orientation of its frame in the reference frame, shape (3, 3)."""
+        """Return the orientation of the control's frame in the reference frame, shape (3, 3)."""
         mode = self.message.orientation_mode
         if mode == motion.INHERIT:
             return pose[:3, :3]
@@ -260,7 +260,7 @@ class SceneControl:
         return motion.facing(self.axes, camera, self.turned)
 
     def marker_pose(self, pose: Matrix, camera: Matrix) -> Matrix:
-        """Return the pose of its markers, shape (4, 4)."""
+        """Return the pose of the control's markers, shape (4, 4)."""
         pose_of_markers = pose.copy()
         is_apart = (
             self.message.orientation_mode == motion.VIEW_FACING
@@ -403,7 +403,7 @@ class SceneMarker:
         point: Floats | None,
         menu_entry_id: int = 0,
     ) -> None:
-        """Send feedback, in the reference frame if the marker is locked to it, else the fixed frame."""
+        """Send feedback in the reference frame of a locked marker, else in the fixed frame."""
         feedback = motion.make(
             FEEDBACK, event_type=event, marker_name=self.message.name, control_name=control.message.name,
             client_id=_CLIENT, menu_entry_id=menu_entry_id, mouse_point_valid=point is not None,

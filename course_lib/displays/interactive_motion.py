@@ -113,7 +113,7 @@ def _ring(marker: Message, control: Message) -> Iterable[Message]:
 
 
 def _button(marker: Message, control: Message) -> Iterable[Message]:
-    """Yield the marker of a menu control, a text above the interactive marker."""
+    """Yield the marker of a menu control: text above the interactive marker."""
     control.orientation_mode, control.independent_marker_orientation = VIEW_FACING, False
     size = 0.25 * marker.scale
     text_marker = _text_marker(control.description, size)

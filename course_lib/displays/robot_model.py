@@ -249,7 +249,7 @@ class DrawnLink:
 
 
 def joint_axis(axis: Iterable[float]) -> dict[str, Drawable]:
-    """Draw the axis of a joint as RViz's green arrow; nothing for a zero vector."""
+    """Draw the axis of a joint as RViz's green arrow. A zero vector draws nothing."""
     direction = np.array([*axis])
     length = np.linalg.norm(direction)
     if not length:

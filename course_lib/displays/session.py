@@ -392,7 +392,7 @@ class RvizSession:
         return self._framing.choose(self._view, camera, references, is_opened=is_opened)
 
     def default_camera(self) -> Camera | None:
-        """Return the camera of a view that nobody has set or turned, else None."""
+        """Return the camera of a view that neither a program nor the user has set, else None."""
         return self._camera if self._framing is not None and isinstance(self._view, Orbit) else None
 
     def show_all(self, scenes: Iterable[Scene]) -> None:
@@ -498,7 +498,7 @@ class RvizSession:
             self._on_time_jump("Detected jump back in time.")
 
     def reset(self) -> None:
-        """Discard the messages of all displays and all transforms."""
+        """Discard all transforms, and the messages of all displays."""
         self.context.frames.buffer.clear()
         self.statuses.hint("TF")
         for display in self.displays:

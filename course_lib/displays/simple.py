@@ -464,7 +464,7 @@ class AccelStampedDisplay(ScrewDisplay):
 def _circle_around(
     transform: Matrix, direction: Matrix, length: float, width: float
 ) -> tuple[Matrix, Matrix]:
-    """Return a circle in the fixed frame: placement of its tip, and points of shape (N, 3)."""
+    """Return a circle in the fixed frame: its tip's placement, and points, shape (N, 3), [m]."""
     # The shortest rotation from z to the direction; for -z Ogre rotates about y.
     rotation: Matrix = np.diag([-1.0, 1.0, -1.0])
     if direction[2] >= -1 + 1e-9:

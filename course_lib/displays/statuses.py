@@ -95,7 +95,7 @@ class Statuses:
 
 
 def clip(text: str) -> str:
-    """Return a text, shortened in its middle if it would make pages and tables slow."""
+    """Return a string, shortened in the middle if it would make pages and tables slow."""
     half = _LONGEST_TEXT // 2
     return text if len(text) <= _LONGEST_TEXT else f"{text[:half]} … {text[-half:]}"
 

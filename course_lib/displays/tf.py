@@ -335,7 +335,7 @@ def _repeat(body: _Ends, low: int, high: int, name: str, starts: set[int]) -> se
 
 @lru_cache(maxsize=4096)
 def _passes(name: str, whitelist: str, blacklist: str) -> bool:
-    """Return whether a frame passes both filters, of which an empty one lets all pass."""
+    """Return whether a frame passes both filters. An empty filter accepts all frames."""
     starts = set(range(len(name) + 1))
     return bool(_compile(whitelist)(name, starts)) and not (blacklist and _compile(blacklist)(name, starts))
 
@@ -350,7 +350,7 @@ class _LatestTransform(NamedTuple):
 
 
 class TfDisplay(Display):
-    """The frames that tf2 knows; frames without new transforms fade."""
+    """The frames in tf2's buffer. Frames without new transforms fade."""
 
     class_name = "rviz_default_plugins/TF"
     properties = (
@@ -429,7 +429,7 @@ class TfDisplay(Display):
         drawn_frame.place(transform, there, look.scale)
 
     def _add_frames(self, names: list[str]) -> None:
-        """Add new frames, and their properties in one step: adding each takes linear time."""
+        """Add new frames with their properties in one call, because each call takes linear time."""
         if not names:
             return
         self._frames |= {name: DrawnFrame(self.context.scene, self.path, name) for name in names}

@@ -527,7 +527,7 @@ class Gateway:
         return self.class_side.liveliness().declare_token(gateway_key(name, self.settings.sends))
 
     def _stream(self, topic: str, dds: str, type_hash: str) -> _Stream | None:
-        """Return the stream of a key, which is announced as a publisher of the gateway.
+        """Return the stream of a key. A new stream is announced as a publisher of the gateway.
 
         It is None if there are MOST_KEYS already, or if a robot over DDS does not subscribe to the
         type.
@@ -672,7 +672,7 @@ Write = Callable[[str], None]
 def router(
     settings: Settings, folder: Path, roster: Path | None, id_column: str, driver: str, write: Write
 ) -> None:
-    """Run a gateway until it is interrupted, or change the driver of the one that runs in this folder.
+    """Run a gateway until it is interrupted, or change the driver of a gateway that already runs.
 
     Raises:
         CourseError: A name, file, address or option cannot be used.

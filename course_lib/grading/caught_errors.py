@@ -30,7 +30,7 @@ def _is_late() -> bool:
 
 @dataclass(frozen=True)
 class Handler:
-    """What catches errors: an `except` or a `suppress`.
+    """A handler of errors: an `except` clause or a call of `suppress`.
 
     Args:
         head: Its first line.
@@ -117,7 +117,7 @@ def _names_of(kind: ast.expr | None) -> frozenset[str]:
 
 
 def _handler_of(filename: str, line: int, error: BaseException) -> Handler | None:
-    """Return the handler at which an error of a line ends, or None if the error goes on."""
+    """Return the handler that catches an error raised on a line, or None without one."""
     kinds = {kind.__name__ for kind in type(error).__mro__}
     for handlers in _handlers_by_line("".join(linecache.getlines(filename))).get(line, ()):
         first = next((handler for handler in handlers if handler.kinds & kinds), None)

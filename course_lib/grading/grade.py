@@ -604,7 +604,7 @@ def _note_lines(submissions: Sequence[Submission]) -> Iterator[str]:
 
 
 def _task_lines(results: Iterable[Result]) -> list[str]:
-    """Return a line per automatically marked task: count of results, mean, count of full marks."""
+    """Return a line per automatically marked task: results, mean, and results with full marks."""
     scores: dict[str, list[float]] = {}
     points: dict[str, float] = {}
     for result in results:

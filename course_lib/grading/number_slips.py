@@ -461,7 +461,7 @@ def _absolute_times(function: Function) -> Iterator[str]:
 
 
 def _covered_limits(function: Function) -> Iterator[str]:
-    """Yield a sentence for each condition that a wider one before it leaves nothing to."""
+    """Yield a sentence for each condition that is never true after a wider one."""
     for node in ast.walk(function):
         block = getattr(node, "body", None)
         conditions: list[ast.Compare] = []

@@ -30,7 +30,7 @@ Find = Callable[[str, Scope], tuple[str, Scope] | None]
 
 
 def source_of(subject: Any, week: str) -> str:
-    """Return the source of a class or function and of what it uses, or "" if it has none.
+    """Return the source of a class or function with the definitions that it uses, or "".
 
     Args:
         subject: The student's object.
@@ -61,7 +61,7 @@ def is_from_cell(subject: Any, cell: str) -> bool:
 
 
 def source_in_cells(name: str, cells: Sequence[str], week: str) -> str:
-    """Return the source of a definition in the cells of a notebook and of what it uses, or "".
+    """Return the source of a definition in a notebook with the definitions that it uses, or "".
 
     Args:
         name: The name of the class or function.

@@ -707,7 +707,7 @@ def _type_hint(kind: object) -> str:
 
 
 def _executor_hint(error: BaseException, text: str) -> str:
-    """Return the hint for several nodes that are passed to spin, or a node instead of a number, or ""."""
+    """Return the hint for spin with several nodes, or with a node instead of a number, or ""."""
     frame = frame_of(error)
     callers = {caller.f_code.co_name for caller, _ in walk_tb(error.__traceback__)}
     if re.match(r"unhashable type: '(list|set)'", text) and {"spin", "spin_once", "add_node"} & callers:

@@ -205,7 +205,7 @@ def _imported_name(error: BaseException) -> str:
 
 
 def import_from(package: str, name: str) -> str:
-    """Return the import of a well-known class that is in a module of a package, or ""."""
+    """Return the import statement for a well-known class in a module of the package, or ""."""
     line = near_names.IMPORTS.get(name, "")
     return line if line.startswith(f"from {package}.") else ""
 

@@ -41,6 +41,6 @@ def mark(error: BaseException, mistake: Mistake, *, depth: int = 1) -> None:
 
 
 def mistake_of(error: BaseException) -> Mistake | None:
-    """Return the mark of an exception, or None."""
+    """Return the mistake with which an exception is marked, or None."""
     mark = vars(error).get(_MARK)
     return mark if isinstance(mark, Mistake) else None

@@ -156,7 +156,7 @@ def _rotate(rotation: Quaternion, point: Vector) -> Vector:
 
 
 class NoDataError(Exception):
-    """A cache has no data at the requested time. The message is the first part of tf2's message."""
+    """A cache has no data at the requested time. The text is the beginning of tf2's message."""
 
 
 class StaticCache:

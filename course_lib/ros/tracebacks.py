@@ -214,7 +214,7 @@ def was_explained() -> bool:
 
 
 def describe_interruption(reason: str, line: str = "") -> None:
-    """Print a hint with a line of the student, by default the one that the calling thread executes.
+    """Print a hint with a line of the student, by default the calling thread's current line.
 
     It prints nothing if the reason is empty, if an inner wait has been explained, or in a notebook,
     whose traceback shows the line.

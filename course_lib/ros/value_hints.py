@@ -1,4 +1,4 @@
-"""Hints for values of the wrong type: those of a field, and the items of lists, pairs and loops.
+"""Hints for values of the wrong type in fields, lists, pairs and loops.
 
 The errors of ROS and Python state the type that is needed, but not the value. The value is in the
 frame that raised the error.
@@ -200,7 +200,7 @@ def list_hint(error: BaseException, text: str) -> str:
 
 
 def _item_hint(index: int, item: Any, text: str) -> str:
-    """Return the hint for an item that does not belong into an array field, or "".
+    """Return the hint for an item that does not belong in an array field, or "".
 
     The text of the error contains the type of the items.
     """

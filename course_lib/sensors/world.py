@@ -122,7 +122,7 @@ class Motion:
 
 
 def pose_function(name: str, pose: Pose) -> Callable[[float], Floats]:
-    """Return a function of robot time [s] to checked transforms, from a function or fixed pose."""
+    """Return a function from robot time [s] to checked transforms, for a fixed or moving pose."""
     if isinstance(pose, Motion):
         return pose.at
     if callable(pose):

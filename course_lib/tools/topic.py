@@ -331,7 +331,7 @@ def _echo(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def _info(source_ns: int, received_ns: int) -> dict[str, int | None]:
-    """Return a message's info in ROS's order.
+    """Return a message's times [ns] and sequence numbers, in the order of ROS.
 
     The sequence numbers are None, as for RMWs without them.
     """

@@ -69,7 +69,7 @@ class Click(Message, frozen=True, kw_only=True):
 
 @dataclass
 class Page:
-    """The progress of a page.
+    """The state of a page: the batches that it has received, and the visibility of its views.
 
     Args:
         number: Number of the last batch that it has received.

@@ -202,7 +202,7 @@ def _key(member: Display | Group) -> str:
 
 
 def mark_of(level: Level) -> protocol.LevelMark:
-    """Return icon and word of a level."""
+    """Return the icon and the word for a level."""
     icon, word, _ = LEVELS[level]
     return protocol.LevelMark(level, icon, word)
 

@@ -46,7 +46,7 @@ FOLDER = "kit"  # folder next to the course in the zip
 
 @dataclass(frozen=True)
 class KitSource:
-    """How setup.sh installs the kit.
+    """The source from which setup.sh installs the kit.
 
     Args:
         words: Arguments of `pip install` in shell syntax; `$root` is the folder of the autograder.

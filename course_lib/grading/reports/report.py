@@ -31,7 +31,7 @@ HEAD = 300  # characters at the beginning of a page that contain its digest
 
 
 def report(result: Result, out: Path, catalog: Catalog) -> None:
-    """Write OUT/reports/STUDENT/EXERCISE.html; all texts from students are escaped.
+    """Write OUT/reports/STUDENT/EXERCISE.html. All text from students is escaped.
 
     Args:
         result: The stored result.

@@ -1,4 +1,4 @@
-"""One scenario: its graph with inputs and a recorder, and running the student's object on a graph.
+"""A scenario's graph, with inputs and a recorder, and the run of the student's object on it.
 
 `check` does both in a notebook's kernel. When a submission is graded, the grader owns the
 scenario's graph (`submission_run.py`), and a worker in the jail runs the object (`worker.py`).
@@ -125,7 +125,7 @@ class ScenarioGraph:
         )
 
     def keep(self, size: int) -> None:
-        """Charge further bytes of evidence.
+        """Count further bytes of evidence.
 
         Raises:
             MemoryLimitError: The evidence exceeds its limit.

@@ -371,7 +371,7 @@ def path_problem(parts: tuple[str, ...]) -> str:
 
 
 def _type_problem(mode: int) -> str:
-    """Return an error message if it is not a regular file, else "".
+    """Return an error message for an entry that is not a regular file, else "".
 
     Not all archives record the file type.
     """

@@ -76,7 +76,7 @@ class Collection:
 
     @property
     def refused(self) -> list[str]:
-        """A line for each file that was skipped, and one for all further files of an owner.
+        """A line for each skipped file. Beyond a limit, one line counts an owner's further files.
 
         The archive of one student may have a thousand files, which would hide those of the others.
         """

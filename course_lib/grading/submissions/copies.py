@@ -80,7 +80,7 @@ class Fingerprint:
 
 
 def fingerprint(cells: Iterable[str]) -> Fingerprint:
-    """Return the runs of LENGTH tokens.
+    """Return all runs of LENGTH tokens in the code of one student.
 
     Runs do not cross cells, so the order of cells is irrelevant.
 
@@ -523,7 +523,7 @@ def copies_page(
     released: ReleasedCode,
     zone: ZoneInfo,
 ) -> str:
-    """Return the page of one exercise, with all student texts escaped, and times in a zone."""
+    """Return the page of one exercise, with all student text escaped, and times in a zone."""
     clusters = [
         {
             "students": sorted((works[name].received_in(zone), name) for name in cluster.students),

@@ -198,7 +198,7 @@ def _maxima(file: LmsFile, place: int) -> set[float]:
 
 
 def _cap(mark: dict[str, str], column: str, maxima: set[float]) -> dict[str, str]:
-    """Return a mark limited to the platform's maximum, or to the exercise's if the CSV has no maximum."""
+    """Return a mark limited to the platform's maximum or, without one, the exercise's maximum."""
     if mark["status"] not in FINAL:
         return mark
     limit = max(maxima) if maxima else float(mark["max_score"])

@@ -302,7 +302,7 @@ class MarkerScene:
 
     @cached_property
     def subjects(self) -> list[list[int]]:
-        """The indices of each subject's checks, without those that apply to every subject."""
+        """The indices of each subject's checks, without checks that apply to every subject."""
         groups: list[list[int]] = []
         for index in range(len(self.asked)):
             if index not in self.shared_checks:
@@ -387,7 +387,7 @@ class MarkerScene:
         )
 
     def _is_missing(self, subject: Iterable[int], marker: int) -> bool:
-        """Return whether the ns or id of the bound marker differs from those of the subject."""
+        """Return whether the bound marker has a different ns or id than the subject."""
         return any(_is_misnamed(self.markers[marker], self.asked[i].arguments) for i in subject)
 
     def _misfit_key(self, subject: Sequence[int], marker: int) -> tuple[float, ...]:

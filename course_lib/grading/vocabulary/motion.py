@@ -556,7 +556,7 @@ def expect_joint_swing(
 def expect_joints_still(
     evidence: Evidence, positions: Mapping[str, float], *, topic: str = TOPIC
 ) -> Iterable[Problem]:
-    """Expect joints that stand still at `positions` [rad] or [m], as in `expect_joint_swing`."""
+    """Expect joints to remain at `positions` [rad] or [m], as in `expect_joint_swing`."""
     for joint, middle in positions.items():
         check = expect_joint_swing(joint, amplitude=0.0, hz=0.0, middle=middle, topic=topic)
         verdict = check.judge(evidence)

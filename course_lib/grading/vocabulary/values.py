@@ -246,7 +246,7 @@ def _order_problem(
 
 
 def _round_numbers(value: Any) -> Any:
-    """Return a value with four digits of each number in its lists, to display it."""
+    """Return a value for display, with the numbers in its lists rounded to four digits."""
     if isinstance(value, list):
         return [_round_numbers(item) for item in value]
     return float(f"{value:.4g}") if isinstance(value, float) else value

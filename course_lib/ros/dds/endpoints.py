@@ -490,7 +490,7 @@ class Reader(OwnEndpoint[MatchedWriter]):
         self._send_to(writer.endpoint, wire.NACK_FRAG, *body)
 
     def _send_acknack(self, writer: MatchedWriter, missing: list[int]) -> None:
-        """Acknowledge all messages before the one that is due, and request the missing ones."""
+        """Acknowledge all messages before the due one, and request the missing ones."""
         writer.is_ack_due = False
         numbers = wire.number_set(writer.due, missing)
         self._send_to(writer.endpoint, wire.ACKNACK, numbers, self._count(), flags=wire.FINAL)

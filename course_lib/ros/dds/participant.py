@@ -483,7 +483,7 @@ class Participant:
                 reader.on_fragments(sample, body[begin:], *received.unpack("IHHI", 20))
 
     def _on_state(self, received: wire.Submessage) -> None:
-        """Process what a remote reader has received, or what a remote writer can send."""
+        """Process a remote reader's acknowledgement, or a remote writer's heartbeat or gap."""
         kind, source, (reader, writer) = received.kind, received.source, received.unpack("4s4s", 0)
         number, is_final = received.sequence_number(8), bool(received.flags & wire.FINAL)
         if kind in (wire.HEARTBEAT, wire.GAP):

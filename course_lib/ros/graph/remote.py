@@ -462,7 +462,7 @@ class RemoteAlarm(Alarm):
 
 
 class RemoteGraph(Graph):
-    """A graph whose events come from the other process, in lock-step.
+    """A graph that runs the events scheduled by the other process, in lock-step with it.
 
     Because only one side acts at a time, nodes and endpoints can be numbered here, from the other
     graph's `last_id` on, without asking for their numbers.

@@ -152,7 +152,7 @@ class EndpointInfo:
 
     @property
     def gid(self) -> bytes:
-        """The GID, 16 bytes. An endpoint of the kit has its id."""
+        """The GID, 16 bytes. For an endpoint of the kit it contains the id."""
         return self.remote_gid or self.id.to_bytes(16, "big")
 
     def type_hash(self) -> str | None:

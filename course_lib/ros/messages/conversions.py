@@ -94,7 +94,7 @@ def to_yaml(message: RosMessage, style: PrintOptions) -> str:
 
     class BlockMappings(yaml.Dumper):  # type: ignore[misc]  # yaml has no types
         def represent_mapping(self, tag: str, mapping: Any, flow_style: bool | None = None) -> Any:
-            """Write a message in lines even with `flow`, which ROS applies to sequences only."""
+            """Write a message in block style even with `flow`, which applies to sequences only."""
             return super().represent_mapping(tag, mapping, flow_style=False)
 
     text: str = yaml.dump(

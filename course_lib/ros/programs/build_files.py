@@ -338,7 +338,7 @@ class _CMakeMacro:
 
 
 class _CMake:
-    """Runs the commands of a CMakeLists.txt that decide which others run, up to a limit.
+    """Interprets loops, macros and functions of a CMakeLists.txt, up to a number of commands.
 
     Conditions are not evaluated, so all branches of an `if` are read.
 
@@ -352,7 +352,7 @@ class _CMake:
         self._budget = _MAX_FILES
 
     def run(self, commands: Iterable[tuple[str, str]]) -> Iterator[tuple[str, list[str]]]:
-        """Yield commands in lower case with their arguments, also of loops, macros and functions."""
+        """Yield lower-case commands with their arguments, including loops, macros and functions."""
         rest = deque(commands)
         while rest and self._budget > 0:
             self._budget -= 1

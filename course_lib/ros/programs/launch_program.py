@@ -597,7 +597,7 @@ def prepare_imports(file: Path) -> None:
 
 
 def _skip_reason(entity: object, error: Exception) -> str:
-    """Return why the launch continues without an entity; "" if the launch file itself is wrong."""
+    """Return the reason to continue without an entity; "" if the launch file is wrong."""
     if isinstance(error, packages.NotAvailableError | PackageNotFoundError):
         return str(error)
     if isinstance(entity, IncludeLaunchDescription) and isinstance(error, ModuleNotFoundError):

@@ -86,7 +86,7 @@ _PROJECTS, _SOURCES = _ENTRIES["project"], _ENTRIES["source"]
 
 
 def unavailable_reason(package: str) -> str:
-    """Return why a package is not available and what to do instead; "" for all other packages."""
+    """Return why a package is not available, with an alternative; "" for all other packages."""
     for project in _PROJECTS:
         if re.fullmatch(project["names"], package):
             return f"{project['reason']}, which pip can't install. Here {project['instead']}; {_ELSEWHERE}."
@@ -198,7 +198,7 @@ def name_of(manifest: Path) -> str | None:
 
 
 def interface_paths(folder: Path, kind: str) -> Iterator[Path]:
-    """Yield the interface files of a package, of the kind msg, srv or action.
+    """Yield a package's interface files of one kind: msg, srv or action.
 
     They are in the folder of this name, or in another folder if CMakeLists.txt lists them. An .idl
     file next to a file of the same name was created from it by a build, so it is left out.

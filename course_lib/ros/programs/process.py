@@ -286,7 +286,7 @@ class Processes:
         return number
 
     def interrupt(self, numbers: Collection[int] | None = None) -> None:
-        """Interrupt all running processes, or only those with these indices, as Ctrl+C does."""
+        """Interrupt all running processes, or only the given indices, as Ctrl+C does."""
         for number, thread in enumerate(self._threads):
             if number not in self.ended and (numbers is None or number in numbers):
                 time_lock.interrupt(thread)

@@ -238,7 +238,7 @@ class Link(ABC):
     def endpoint(
         self, node: Any, kind: EntityKind, topic: str, type_name: str, qos: Qos, known_hash: str = ""
     ) -> Any:
-        """Return an endpoint of a node of the kit, not announced yet.
+        """Return an endpoint of one of the kit's nodes. It is not announced yet.
 
         `known_hash` is the hash of its type, if the definition may be missing on this computer.
         """
@@ -310,7 +310,7 @@ def second_driver_warning(topic: str, node: str) -> str:
 
 
 def clock_warning(skew: float) -> str:
-    """Return a message if the robot's clock is `skew` [s] ahead of this computer's, else ""."""
+    """Return a message if the robot's clock is `skew` [s] ahead of this computer, else ""."""
     if abs(skew) < MAX_SKEW:
         return ""
     days = abs(skew) / SECONDS_PER_DAY

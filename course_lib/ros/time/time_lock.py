@@ -158,7 +158,7 @@ class ProgramThread:
             raise KeyboardInterrupt
 
     def report_interrupted_polling(self) -> None:
-        """Print what the thread was polling for, if it was, unless this has been printed."""
+        """Print the condition that the thread was polling, if any, once."""
         if self.is_polling and self.describe_unmet is not None:
             # Imported late, as it is needed only at the end of a run.
             from course_lib.ros.tracebacks import describe_interruption
@@ -290,7 +290,7 @@ class TimeLock:
         return None if me is None or me.at_end is not AtEnd.INTERRUPT else me.handlers
 
     def is_interrupted_by_end(self) -> bool:
-        """Return whether the calling thread is a program's, which the end of the run interrupts."""
+        """Return whether the calling thread is in a program and the run's end interrupts it."""
         me = self._threads.get(_thread.get_ident())
         return me is not None and me.at_end is not AtEnd.RETURN
 

@@ -393,7 +393,7 @@ class SimpleQueue(_RealSimpleQueue[Any]):
 
 
 def _is_made_for_program() -> bool:
-    """Return whether an object created now may be used by the program, as for objects that a cell creates.
+    """Return whether the program may use an object that is created now, for example in a cell.
 
     `current_thread()` is not used because it would create an object with locks for a thread that
     Python has not started.

@@ -621,7 +621,7 @@ class ZenohLink(Link):
     def endpoint(
         self, node: ZenohEntity, kind: EntityKind, topic: str, type_name: str, qos: Qos, known_hash: str = ""
     ) -> ZenohEntity:
-        """Return an endpoint of a node of the kit that is not announced yet."""
+        """Return an endpoint of one of the kit's nodes. It is not announced yet."""
         endpoint: ZenohEntity = super().endpoint(node, kind, topic, type_name, qos, known_hash)
         return replace(endpoint, id=next(self._ids))
 

@@ -546,7 +546,7 @@ class Shutdown(Action):
 
 
 def find_declarations(entities: Entities, context: LaunchContext) -> list[DeclareLaunchArgument]:
-    """List the arguments that entities declare, also in groups, timers and included files.
+    """List the arguments that entities declare, including groups, timers and included files.
 
     As in ROS, an included file whose path is unknown before the launch is left out.
     """

@@ -258,7 +258,7 @@ class ROSClock(Clock):
 
     @property
     def ros_time_is_active(self) -> bool:
-        """True while the clock shows the override's time, such as /clock's, instead of robot time."""
+        """True while the clock shows an override, such as /clock, instead of robot time."""
         return self.handle.is_overridden
 
     def _set_ros_time_is_active(self, enabled: bool) -> None:

@@ -69,7 +69,7 @@ class _UnretrievedException:
 
 
 class Future(Generic[T]):
-    """A result that becomes available later. Coroutines, including asyncio's, can await it.
+    """A result that becomes available later. Coroutines can await it, even in asyncio.
 
     Args:
         executor: Runs the done-callbacks. Without one, they are called where the result is set.

@@ -81,7 +81,7 @@ PRESETS = {
 
 @dataclass
 class StorageFilter:
-    """The topics to read: all, or the listed and those that match `regex`, without excluded ones."""
+    """The topics to read: all, or listed and matching topics (`regex`), except excluded ones."""
 
     topics: list[str] = field(default_factory=list)
     services_events: list[str] = field(default_factory=list)

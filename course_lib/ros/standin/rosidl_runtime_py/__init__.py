@@ -83,7 +83,7 @@ def get_interface_packages() -> dict[str, str]:
 
 
 def get_interfaces(package_names: Collection[str] = ()) -> dict[str, list[str]]:
-    """Return the interfaces of packages as `msg/String`, by package; of all packages by default.
+    """Return the interfaces of packages, by default all, as lists like `msg/String` by package.
 
     A package without interfaces is left out.
 

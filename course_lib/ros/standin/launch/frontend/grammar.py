@@ -221,7 +221,7 @@ def description_of(file: Path) -> LaunchDescription:
 
 
 def actions(entity: Entity, name: str = "") -> list[Action]:
-    """Read the child elements as actions, except those with the tag `name`."""
+    """Read the child elements as actions, except elements with the tag `name`."""
     return [_action(child) for child in entity.children if child.type_name != name]
 
 

@@ -132,7 +132,7 @@ def strip_ros_arguments(args: Sequence[str]) -> list[str]:
 
 
 def _split(args: Sequence[str]) -> Iterator[tuple[str, bool]]:
-    """Yield each argument but `--ros-args` and the `--` that ends it, and whether it is for ROS."""
+    """Yield each argument with whether it is for ROS, without `--ros-args` and its closing `--`."""
     for_ros = False
     for word in args:
         if not isinstance(word, str):

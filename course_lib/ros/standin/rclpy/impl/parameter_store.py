@@ -47,7 +47,7 @@ _NO_RESULT = "Callback returned an invalid type, it should return SetParameterRe
 
 
 class ParameterStore:
-    """The declared parameters of a node and the callbacks of changes.
+    """The declared parameters of a node, and the callbacks that run when they change.
 
     Args:
         node_name: Returns the node's fully qualified name, for the events.

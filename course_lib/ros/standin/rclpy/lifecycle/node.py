@@ -161,7 +161,7 @@ STATES = {
 
 
 class Step(NamedTuple):
-    """A transition from one state to another, which are given by their labels."""
+    """A transition between two states, given by their labels."""
 
     number: int
     label: str
