@@ -248,20 +248,18 @@ class Pointer:
             return None
         ray = self.axes @ self.direction
         start = start_in_view[:2] / (depth * self.pixel) - (0 if self.flat else ray[:2] / ray[2] / self.pixel)
+        # The pixel of the line in the image that is nearest to the pointer, and the point of the
+        # line that is nearest to the ray through this pixel.
         nearest = self.shifted(*(start - slope * (start @ slope) / (slope @ slope)))
-        return nearest._crossing(point, direction)
-
-    def _crossing(self, point: Floats, direction: Floats) -> Floats | None:
-        """Return the point of a line that is nearest to the ray."""
-        across = float(direction @ self.direction)
+        across = float(direction @ nearest.direction)
         bottom = 1.0 - across * across
         if bottom < _TINY:
             return None
-        offset = point - self.origin
-        distance = (float(offset @ self.direction) * across - float(offset @ direction)) / bottom
+        offset = point - nearest.origin
+        distance = (float(offset @ nearest.direction) * across - float(offset @ direction)) / bottom
         crossing = point + distance * direction
-        depth = float(self.axes[2] @ (crossing - self.origin))
-        return crossing if self.flat or depth > 0 else None
+        is_ahead = self.flat or float(nearest.axes[2] @ (crossing - nearest.origin)) > 0
+        return crossing if is_ahead else None
 
 
 @dataclass(frozen=True)
@@ -349,20 +347,13 @@ def _move_3d(drag: Drag, pointer: Pointer) -> Drag:
         hit = pointer.intersect_plane(drag.grab, pointer.axes[2])
         return drag if hit is None else _shift(drag, hit - drag.grab)
     right, up = pointer.image_position - drag.pointer.image_position
+    # The distance along the line of sight for one pixel, [m].
+    rays = (drag.pointer, drag.pointer.shifted(0, -10))
+    start, end = (ray.intersect_plane(drag.grab, drag.axes[:, 0]) for ray in rays)
+    scale = 0.001 if start is None or end is None else float(np.linalg.norm(end - start)) / 10 or 0.001
     pose = drag.pose.copy()
-    pose[:3, 3] += _z_scale(drag) * (right if abs(right) > abs(up) else up) * drag.pointer.direction
+    pose[:3, 3] += scale * (right if abs(right) > abs(up) else up) * drag.pointer.direction
     return replace(drag, pose=pose, pointer=pointer)
-
-
-def _z_scale(drag: Drag) -> float:
-    """Return the distance along the line of sight for one pixel, [m]."""
-    ends = [
-        ray.intersect_plane(drag.grab, drag.axes[:, 0])
-        for ray in (drag.pointer, drag.pointer.shifted(0, -10))
-    ]
-    if ends[0] is None or ends[1] is None:
-        return 0.001
-    return float(np.linalg.norm(ends[1] - ends[0])) / 10 or 0.001
 
 
 def _rotate_3d(drag: Drag, pointer: Pointer) -> Drag:

@@ -691,24 +691,22 @@ def draw_still(
 def _poses(robot: Robot, configuration: Configuration) -> dict[str, Floats]:
     """Return transform_link_to_ground of all links, shape (4, 4) each."""
     if configuration is not None and not isinstance(configuration, Mapping):
-        return _poses_by_pinocchio(robot, np.asarray(configuration, dtype=float))
+        values = np.asarray(configuration, dtype=float)
+        pinocchio, model = import_pinocchio("pinocchio"), robot.model
+        if values.shape != (model.nq,):
+            raise CourseError(
+                f"The configuration has shape {values.shape}, expected ({model.nq},), or a dict."
+            )
+        if not np.isfinite(values).all():
+            raise CourseError(f"The configuration {values.tolist()} has numbers that are not finite.")
+        data = model.createData()
+        # Circle points and quaternions that are only approximately normalized are accepted.
+        pinocchio.framesForwardKinematics(model, data, pinocchio.normalize(model, values))
+        frames, body = zip(model.frames, data.oMf, strict=True), pinocchio.FrameType.BODY
+        body_poses = {frame.name: pose.homogeneous for frame, pose in frames if frame.type == body}
+        rest_poses = link_poses(robot, robot.rest.positions)
+        root = body_poses.get(robot.tree.root, np.eye(4))
+        # The models may not contain all links.
+        return {link: root @ pose for link, pose in rest_poses.items()} | body_poses
     poses = link_poses(robot, robot.rest.positions if configuration is None else configuration)
     return {link: robot.rest.transform_root_to_ground @ pose for link, pose in poses.items()}
-
-
-def _poses_by_pinocchio(robot: Robot, configuration: Floats) -> dict[str, Floats]:
-    pinocchio, model = import_pinocchio("pinocchio"), robot.model
-    if configuration.shape != (model.nq,):
-        shape = configuration.shape
-        raise CourseError(f"The configuration has shape {shape}, expected ({model.nq},), or a dict.")
-    if not np.isfinite(configuration).all():
-        raise CourseError(f"The configuration {configuration.tolist()} has numbers that are not finite.")
-    data = model.createData()
-    # Circle points and quaternions that are only approximately normalized are accepted.
-    pinocchio.framesForwardKinematics(model, data, pinocchio.normalize(model, configuration))
-    frames, body = zip(model.frames, data.oMf, strict=True), pinocchio.FrameType.BODY
-    body_poses = {frame.name: pose.homogeneous for frame, pose in frames if frame.type == body}
-    rest_poses = link_poses(robot, robot.rest.positions)
-    root = body_poses.get(robot.tree.root, np.eye(4))
-    # The models may not contain all links.
-    return {link: root @ pose for link, pose in rest_poses.items()} | body_poses

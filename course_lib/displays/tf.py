@@ -433,17 +433,16 @@ class TfDisplay(Display):
         if not names:
             return
         self._frames |= {name: DrawnFrame(self.context.scene, self.path, name) for name in names}
-        # A frame that was filtered out before has its properties already.
-        labels = {prop.label for prop in self.properties}
-        new = [name for name in names if f"Frames/{name}" not in labels]
-        self.grow(*(row for name in new for row in self._frame_properties(name)))
-
-    def _frame_properties(self, name: str) -> Iterator[Property]:
-        row, names = f"Frames/{name}", ("Frames", name)
-        yield Property(row, True, flag, names)
-        for label in _FRAME_VALUES:
-            value = partial(self._frame_value, name, label)
-            yield Property(f"{row}/{label}", value, read_only, (*names, label))
+        labels, rows = {prop.label for prop in self.properties}, list[Property]()
+        for name in names:
+            row, path = f"Frames/{name}", ("Frames", name)
+            # A frame that was filtered out before has its properties already.
+            if row not in labels:
+                rows.append(Property(row, True, flag, path))
+                for label in _FRAME_VALUES:
+                    value = partial(self._frame_value, name, label)
+                    rows.append(Property(f"{row}/{label}", value, read_only, (*path, label)))
+        self.grow(*rows)
 
     def _age(self, name: str, transform: Matrix | None) -> float:
         """Return the time since a frame received its transform, [s]; static transforms do not age."""

@@ -533,7 +533,7 @@ class Framing:
             # position.
             self._known_paths.difference_update(new)
             return False
-        corners = _corners(_with_origin(bounds))
+        corners = _corners_to_show(bounds)
         return (is_first or not _are_in_view(camera, corners)) and _move(view, corners)
 
     def include(self, view: Orbit, camera: Camera, scenes: Iterable[Scene]) -> bool:
@@ -551,7 +551,7 @@ class Framing:
         if not found:
             return False
         lows, highs = zip(*found, strict=True)
-        corners = _corners(_with_origin(np.stack([np.min(lows, axis=0), np.max(highs, axis=0)])))
+        corners = _corners_to_show(np.stack([np.min(lows, axis=0), np.max(highs, axis=0)]))
         return not _are_in_view(camera, corners) and _move(view, corners)
 
     def _bounds_in(self, scene: Scene) -> Floats | None:
@@ -562,8 +562,15 @@ class Framing:
         return bounds_of(scene, visible_paths)
 
 
-def _corners(bounds: Floats) -> Floats:
-    """Return the corners of a box, shape (8, 3)."""
+def _corners_to_show(bounds: Floats) -> Floats:
+    """Return the corners of a box, shape (8, 3).
+
+    The box is extended by the origin, unless the drawn objects are small and far away from it.
+    """
+    low, high = bounds
+    distance = np.linalg.norm(np.maximum(0, np.maximum(low, -high)))
+    if np.linalg.norm(high - low) >= _FAR_AWAY * distance:
+        bounds = np.stack([np.minimum(low, -_AROUND_ORIGIN), np.maximum(high, _AROUND_ORIGIN)])
     return np.stack(np.meshgrid(*bounds.T, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
@@ -584,15 +591,6 @@ def _move(view: Orbit, corners: Floats) -> bool:
     is_changed = any(view[label] != value for label, value in values.items())
     view.set_quietly(values)
     return is_changed
-
-
-def _with_origin(bounds: Floats) -> Floats:
-    """Extend a box by the origin, unless the drawn objects are small and far away from it."""
-    low, high = bounds
-    distance = np.linalg.norm(np.maximum(0, np.maximum(low, -high)))
-    if np.linalg.norm(high - low) < _FAR_AWAY * distance:
-        return bounds
-    return np.stack([np.minimum(low, -_AROUND_ORIGIN), np.maximum(high, _AROUND_ORIGIN)])
 
 
 def _distance_to_fit(corners: Floats, camera: Camera, focus: Floats, filled_share: float) -> float:

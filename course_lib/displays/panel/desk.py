@@ -104,16 +104,21 @@ class Rows(dict[str, RowEntry]):
     def _put_property(
         self, holder: PropertyHolder, prop: Property, path: tuple[str, ...], parent: str
     ) -> None:
-        def edit(value: Any) -> None:
-            holder[prop.label] = value
-
         key, value = f"{parent}#{prop.path[-1]}", holder[prop.label]
         editor = _editor(prop, holder)
         is_map = isinstance(value, dict)
         shown_value = "" if is_map else value if editor.kind != "none" else str(value)
         shown = {"value": shown_value, "title": holder.describe(prop)}
         is_open = holder.is_expanded(path)
-        self.put(key, parent, prop.path[-1], edit, editor=editor, open=is_open, **shown)
+        self.put(
+            key,
+            parent,
+            prop.path[-1],
+            partial(holder.__setitem__, prop.label),
+            editor=editor,
+            open=is_open,
+            **shown,
+        )
         if prop.convert is booleans:
             for name, on in value.items():
                 tick = partial(self._set_check_box, holder, prop.label, name)
@@ -185,9 +190,7 @@ def _put_member(rows: Rows, session: RvizSession, member: Display | Group, paren
         rows.put(key, parent, member.name, tick, member, checked=member.is_enabled)
         return
 
-    def enable(on: Any) -> None:
-        member["Enabled"] = on
-
+    enable = partial(member.__setitem__, "Enabled")
     statuses = session.rows_of(member)
     level = worst_of(row.level for row in statuses)
     shown = {"title": member.class_name, "checked": bool(member["Enabled"])}
