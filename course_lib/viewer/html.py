@@ -9,6 +9,7 @@ from functools import cache
 from html import escape
 from importlib.util import find_spec
 from pathlib import Path
+from typing import NamedTuple
 
 from course_lib.errors import CourseError
 from course_lib.files import save_as
@@ -37,25 +38,22 @@ return { Link, follow, mount, mountAll, picture, unpacked };
 """
 
 
-def bundle() -> tuple[str, str]:
-    """Return the global name of the viewer in a page, and the script that defines it."""
-    key, zipped = _build_bundle()
-    return key, gzip.decompress(zipped).decode()
+class Bundle(NamedTuple):
+    """The viewer's global name in a page, and the compressed script that defines it."""
 
+    name: str
+    # Uncompressed it would take 2 MB of each kernel.
+    zipped: bytes
 
-def bundle_name() -> str:
-    """Return the global name of the viewer in a page."""
-    return _build_bundle()[0]
-
-
-def zipped_bundle() -> bytes:
-    """Return the compressed script."""
-    return _build_bundle()[1]
+    @property
+    def script(self) -> str:
+        """The script as text."""
+        return gzip.decompress(self.zipped).decode()
 
 
 @cache
-def _build_bundle() -> tuple[str, bytes]:
-    """Return the name and the compressed script; uncompressed it would take 2 MB of each kernel."""
+def bundle() -> Bundle:
+    """Return the viewer's script."""
     style = json.dumps((_FOLDER / "panels" / "desk.css").read_text("utf-8"))
     scripts = [f"const DESK_STYLE = {style};"]
     for name in _MODULES:
@@ -73,13 +71,13 @@ def _build_bundle() -> tuple[str, bytes]:
     own_script = "\n".join(scripts).encode()
     key = "__courseViewer_" + hashlib.sha256(meshcat + own_script).hexdigest()[:12]
     script = _SCRIPT % {b"key": key.encode(), b"meshcat": meshcat, b"ours": own_script}
-    return key, gzip.compress(script, 9, mtime=0)
+    return Bundle(key, gzip.compress(script, 9, mtime=0))
 
 
 @cache
 def widget_module() -> str:
     """Return the module of a widget, which loads the script."""
-    return (_FOLDER / "widget.js").read_text("utf-8").replace("__KEY__", bundle_name())
+    return (_FOLDER / "widget.js").read_text("utf-8").replace("__KEY__", bundle().name)
 
 
 _PAGE = """\
@@ -217,5 +215,5 @@ def bundle_code(start: str = MOUNT_ALL) -> str:
 
     `start` is a function that is given the viewer.
     """
-    zipped = base64.b64encode(zipped_bundle()).decode()
-    return _CODE.format(zipped=zipped, key=bundle_name(), start=start)
+    zipped = base64.b64encode(bundle().zipped).decode()
+    return _CODE.format(zipped=zipped, key=bundle().name, start=start)

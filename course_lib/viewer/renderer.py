@@ -782,10 +782,10 @@ def _draw_in_browser(scene: Scene, size: tuple[int, int]) -> bytes:
     program = find_browser()
     if program is None:
         raise CourseError("No Chromium or Chrome was found on this machine.")
-    key, script = html.bundle()
-    script = script.replace("</script", r"<\\/script")
+    bundle = html.bundle()
+    script = bundle.script.replace("</script", r"<\\/script")
     encoded_scene = base64.b64encode(encoding.encode_snapshot(scene)).decode()
-    start = _START % {"key": key, "scene": encoded_scene, "width": size[0], "height": size[1]}
+    start = _START % {"key": bundle.name, "scene": encoded_scene, "width": size[0], "height": size[1]}
     page = _PAGE % {"policy": html.content_policy(script, start), "script": script, "start": start}
     match = re.search(r'data-picture="data:image/png;base64,([^"]+)"', dump_dom(program, page, _TIMEOUT))
     if match is None:

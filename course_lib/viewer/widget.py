@@ -177,7 +177,7 @@ class SceneWidget(anywidget.AnyWidget):
         self.link.on_views = lambda count: self.on_views(count)
         global _code
         if _code is None or _code.comm is None:
-            _code = _Code(code=html.zipped_bundle())
+            _code = _Code(code=html.bundle().zipped)
         traits = {"name": uuid.uuid4().hex, "code": _code.model_id, "height": height, "label": label}
         super().__init__(**traits, **rest)
         self.link.listen("dock", lambda order: side_panel.receive(self, order))

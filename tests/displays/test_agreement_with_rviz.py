@@ -31,7 +31,7 @@ def page() -> Iterator[Page]:
         pytest.skip("no Chromium or Chrome here")
     with chromium() as browser:
         page = browser.new_page()
-        page.add_script_tag(content=html.bundle()[1])
+        page.add_script_tag(content=html.bundle().script)
         yield page
 
 
@@ -60,7 +60,7 @@ def size_of(name: str) -> tuple[int, int]:
 @pytest.mark.parametrize("name", SCENES)
 def test_browser_rendering_agrees_with_rviz(name: str, page: Page) -> None:
     scene = base64.b64encode(encoding.snapshot(replayed(name))).decode()
-    address = page.evaluate(DRAW, [html.bundle()[0], scene, *size_of(name)])
+    address = page.evaluate(DRAW, [html.bundle().name, scene, *size_of(name)])
     assert_like_rviz(name, base64.b64decode(address.removeprefix("data:image/png;base64,")))
 
 

@@ -7,7 +7,7 @@ FOLDER = Path(html.__file__).parent / "js"
 
 
 def test_bundle_contains_every_module_without_import_statements() -> None:
-    key, script = html.bundle()
+    key, script = html.bundle().name, html.bundle().script
     assert {path.relative_to(FOLDER).with_suffix("").as_posix() for path in FOLDER.rglob("*.js")} == {
         *html._MODULES,
         "widget",
@@ -26,4 +26,4 @@ def test_modules_import_only_modules_earlier_in_the_bundle() -> None:
 
 
 def test_javascript_bundle_stays_small() -> None:
-    assert len(html.zipped_bundle()) < 255_000
+    assert len(html.bundle().zipped) < 255_000

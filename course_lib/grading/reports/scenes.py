@@ -66,7 +66,7 @@ def shared_script(folder: Path) -> str:
     """Write the viewer into a folder unless it exists, and return the file's name."""
     from course_lib.viewer import html
 
-    path = folder / f"viewer-{html.bundle_name().rpartition('_')[2]}.js"
+    path = folder / f"viewer-{html.bundle().name.rpartition('_')[2]}.js"
     if not path.is_file():
         write_atomically(path, html.bundle_code().encode())
     return path.name
