@@ -67,16 +67,14 @@ def _reset_fields(message: Any, *, names: Sequence[str]) -> None:
         value = getattr(message, name)
         nested = isinstance(value, list) and any(hasattr(item, "_KINDS") for item in value)
         if not nested and not hasattr(value, "_KINDS") and name not in names:
-            setattr(message, name, _blank_value(value, getattr(default, name)))
+            blank = getattr(default, name)
+            if isinstance(value, np.ndarray):
+                blank = np.zeros_like(value)
+            elif isinstance(value, array):
+                blank = array(value.typecode, [0] * len(value))
+            setattr(message, name, blank)
     for part in _nested_messages(message):
         _reset_fields(part, names=names)
-
-
-def _blank_value(value: Any, default: Any) -> Any:
-    """Return an array of zeros of the same length for an array, otherwise the default."""
-    if isinstance(value, np.ndarray):
-        return np.zeros_like(value)
-    return array(value.typecode, [0] * len(value)) if isinstance(value, array) else default
 
 
 def _zero_floats(message: Any) -> None:

@@ -175,18 +175,14 @@ def misplaced_headings(page: NotebookPage) -> Iterator[str]:
             yield f"the heading {title!r} has level {level}, but follows one of level {above}"
 
 
-def undescribed_links(page: NotebookPage) -> Iterator[str]:
-    """Yield pictures without a description, and links whose text does not describe their target."""
+def link_flaws(page: NotebookPage) -> Iterator[str]:
+    """Yield links and pictures without a description of their target, and pictures that are missing."""
     for bang, text, _ in re.findall(r"(!?)\[([^\]]*)\]\(([^)]+)\)", page.markdown):
         if len(text) <= (30 if bang else 3) or text.lower() in VAGUE:
             kind = "picture" if bang else "link"
             yield f"the {kind} {text!r} needs a description for readers who use a screen reader"
     if "<img" in page.markdown:
         yield "<img is HTML: write ![a description](attachment:picture.png)"
-
-
-def missing_pictures(page: NotebookPage) -> Iterator[str]:
-    """Yield pictures that are neither attachments nor existing files."""
     cells = page.notebook["cells"]
     attached = {f"attachment:{name}" for cell in cells for name in cell.get("attachments", {})}
     for target in re.findall(r"!\[[^\]]*\]\(([^)\s]+)", page.markdown):
@@ -225,8 +221,7 @@ FOR_ALL: tuple[Rule, ...] = (
     first_cell_flaws,
     syntax_errors,
     misplaced_headings,
-    undescribed_links,
-    missing_pictures,
+    link_flaws,
     long_sentences,
 )
 
@@ -542,7 +537,9 @@ def invalid_messages(task: Task, scenarios: Sequence[Scenario], path: Path) -> I
         if (problem := _problem(message, with_option(task, row)))
     )
     for text in literals:
-        yield Flaw("fields", f"{task.id}: {text}", location_of(path, _last_quoted_name(text)))
+        # In errors of Python and ROS, the last quoted name is the misspelled one.
+        name = f'"{text.rsplit(chr(39), 2)[-2]}"' if text.count("'") > 1 else ""
+        yield Flaw("fields", f"{task.id}: {text}", location_of(path, name))
 
 
 def names_in(cells: Iterable[str]) -> frozenset[str]:
@@ -579,11 +576,6 @@ def _problem(message: Message, task: Task) -> str:
     except CourseError as error:
         return str(error)
     return ""
-
-
-def _last_quoted_name(text: str) -> str:
-    """Return the last quoted name, which in errors of Python and ROS is the misspelled one."""
-    return f'"{text.rsplit(chr(39), 2)[-2]}"' if text.count("'") > 1 else ""
 
 
 def misspelled_names(

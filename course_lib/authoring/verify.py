@@ -296,16 +296,6 @@ def _visibility(check: CheckResult) -> str:
     return "hidden" if check.hidden else "public"
 
 
-def missing_files(week: str, course: Course) -> Iterator[Flaw]:
-    """Yield a flaw for each missing notebook of a week that has tasks."""
-    for path, how in (
-        (course.solutions / f"{week}_solution.ipynb", f"write it, or begin with: course new {week}"),
-        (course.exercises / f"{week}_exercise.ipynb", "python -m course_lib.course.exercise generates it"),
-    ):
-        if not path.is_file():
-            yield Flaw("files", f"missing: {how}", str(path))
-
-
 # Wall-clock limit of one lesson [s]. The kit's longest lesson takes 20 s.
 SECONDS = 300
 COLOR = re.compile(r"\x1b\[[0-9;]*m")
@@ -444,7 +434,15 @@ def _verify_week(week: str, course: Course, pool: Executor) -> WeekReport:
         tasks = catalog_of(course).tasks_of_week(week)
         if not tasks:
             return WeekReport(week, tuple(flaws), UNKNOWN)
-        flaws_of_files = list(missing_files(week, course))
+        notebooks = {
+            course.solutions / f"{week}_solution.ipynb": f"write it, or begin with: course new {week}",
+            course.exercises / f"{week}_exercise.ipynb": "python -m course_lib.course.exercise generates it",
+        }
+        flaws_of_files = [
+            Flaw("files", f"missing: {how}", str(path))
+            for path, how in notebooks.items()
+            if not path.is_file()
+        ]
         flaws_of_files += input_flaws(week, course)
         if not flaws_of_files:
             rehearsals = WeekRehearsals(week, course, pool)
@@ -536,7 +534,14 @@ def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
         for r in reports
         for place, count in r.placeholders.items()
     ]
-    output += [_wrong_answer_points_line(report) for report in reports if report.kept]
+    for report in (report for report in reports if report.kept):
+        # The median and the maximum of the points that wrong answers earn.
+        name, kept = max(report.kept.items(), key=lambda item: item[1])
+        count, middle = format_count(len(report.kept), "wrong answer"), median(report.kept.values())
+        output.append(
+            f"{report.week}: {count} keep {middle:.2f} of their task's points in the median, "
+            f"at most {kept:.2f} ({name})"
+        )
     aspects: Mapping[str, str] = {f.aspect: ASPECTS[f.aspect] for r in reports for f in r.flaws}
     requirements = [f"{aspect}: {text}" for aspect, text in aspects.items()]
     week_count = sum(bool(report.flaws) for report in reports)
@@ -561,14 +566,6 @@ def report_placeholders(course: Course) -> list[str]:
     return _open_question_lines(
         [WeekReport(week, (), placeholders=_count_placeholders(week, course)) for week in weeks_of(course)]
     )
-
-
-def _wrong_answer_points_line(report: WeekReport) -> str:
-    """Return a line with the median and the maximum of the points that wrong answers earn."""
-    slowest = max(report.kept, key=lambda name: report.kept[name])
-    count, middle = format_count(len(report.kept), "wrong answer"), median(report.kept.values())
-    top = f"{report.kept[slowest]:.2f} ({slowest})"
-    return f"{report.week}: {count} keep {middle:.2f} of their task's points in the median, at most {top}"
 
 
 # The file next to exercises/ that stores the digests of weeks without flaws.
