@@ -104,11 +104,6 @@ class LaunchRecord:
             }
         }
 
-    @property
-    def failure(self) -> str:
-        """The error of the launch or of one of its nodes, or ""."""
-        return self.error or next((node.death for node in self.started if node.death), "")
-
     @classmethod
     def from_plain(cls, value: Any) -> LaunchRecord | None:
         """Decode a record, or return None if the value is not one.

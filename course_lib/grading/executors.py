@@ -19,6 +19,7 @@ from course_lib.errors import CourseError
 Tag = TypeVar("Tag")
 TRIES = 2
 CONNECT_SECONDS = 10  # [s]
+_INTERRUPT = {signal.SIGINT}
 
 
 class InlineExecutor(Executor):
@@ -43,7 +44,7 @@ class ProcessPool(Threads):
     def __init__(self, count: int) -> None:
         # New processes inherit the blocked SIGINT, and unblock it once they can end on Ctrl+C
         # without a traceback.
-        super().__init__(count, initializer=_mask_interrupts, initargs=(signal.SIG_BLOCK,))
+        super().__init__(count, initializer=signal.pthread_sigmask, initargs=(signal.SIG_BLOCK, _INTERRUPT))
         # Start multiprocessing's tracker of semaphores here: a thread that starts it unblocks
         # Ctrl+C, and the first process would print a traceback. It would also warn about
         # semaphores that a second Ctrl+C leaves, which it then removes.
@@ -86,7 +87,7 @@ class ProcessPool(Threads):
 def _end_with_parent() -> None:
     """End this process silently on Ctrl+C, and when its parent process ends."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    _mask_interrupts(signal.SIG_UNBLOCK)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, _INTERRUPT)
     parent = multiprocessing.parent_process()
 
     def follow() -> None:
@@ -95,10 +96,6 @@ def _end_with_parent() -> None:
         os._exit(1)
 
     threading.Thread(target=follow, daemon=True).start()
-
-
-def _mask_interrupts(how: int) -> None:
-    signal.pthread_sigmask(how, {signal.SIGINT})
 
 
 @contextmanager

@@ -153,18 +153,6 @@ def has_page(result: Result, out: Path) -> bool:
         return False
 
 
-def _runs(result: Result, out: Path, catalog: Catalog) -> tuple[Run, ...]:
-    """Return the evidence from which scenes are drawn; without it the page has no scenes."""
-    if result.judgement is None:
-        return ()
-    tasks = catalog.tasks_of_week(result.submission.exercise.split("_")[0])
-    try:
-        packed_evidence = store.evidence_path(out, result.submission.key).read_bytes()
-        return unpack(packed_evidence, plan_scenarios(tasks, catalog, hidden=True)).runs
-    except (OSError, CourseError):
-        return ()
-
-
 def _sections(
     result: Result, marks: Sequence[HandMark], out: Path, catalog: Catalog, share: int | None = None
 ) -> list[dict[str, Any]]:
@@ -175,7 +163,13 @@ def _sections(
     judgement = MarkedResult(result, tuple(marks)).displayed_result.judgement
     if judgement is None:
         return []
-    runs = _runs(result, out, catalog)
+    tasks = catalog.tasks_of_week(result.submission.exercise.split("_")[0])
+    try:
+        packed_evidence = store.evidence_path(out, result.submission.key).read_bytes()
+        runs = unpack(packed_evidence, plan_scenarios(tasks, catalog, hidden=True)).runs
+    except (OSError, CourseError):
+        # Without evidence, the page has no scenes.
+        runs = ()
     share = MAX_SCENES // (2 * len(judgement.tasks)) if share is None else share
     is_final = result.submission.exercise in store.final_exercises(out)
     return [_section(task, runs, catalog, share, is_final=is_final) for task in judgement.tasks]
@@ -187,6 +181,12 @@ def _section(
     """Return the template values of a task's section; each scene has at most `room` characters."""
     runs_of_task = [run for run in runs if run.evidence.task == result.task and not run.hidden]
     bonus = ", on top" if result.bonus else ""
+    # The text that a grader marks, and the grader's comments.
+    end = list(result.comments)
+    if result.rubric:
+        answers = [str(text)[:MAX_OUTPUT] for run in runs_of_task for text in run.evidence.returns]
+        waits = ["A person reads and marks this task."] if result.manual is None else []
+        end = [*answers, *end, *waits]
     return {
         "id": result.task,
         "title": result.title,
@@ -194,18 +194,9 @@ def _section(
         "errors": result.errors,
         "rows": _sorted_rows(result, is_final=is_final),
         "has_hidden": not is_final and any(check.hidden for check in result.checks),
-        "end": _grader_texts(result, runs_of_task),
+        "end": end,
         "figures": figures(catalog.task(result.task), runs_of_task, room) if runs_of_task else [],
     }
-
-
-def _grader_texts(result: TaskResult, runs: Iterable[Run]) -> list[str]:
-    """Return the text that a grader marks, and the grader's comments."""
-    if not result.rubric:
-        return list(result.comments)
-    answers = [str(text)[:MAX_OUTPUT] for run in runs for text in run.evidence.returns]
-    waits = ["A person reads and marks this task."] if result.manual is None else []
-    return [*answers, *result.comments, *waits]
 
 
 def _sorted_rows(result: TaskResult, *, is_final: bool) -> list[CheckRow]:
