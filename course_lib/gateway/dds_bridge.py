@@ -26,7 +26,7 @@ from course_lib.ros.robot.link import Declaration, Entity, Packet, SendReply
 from course_lib.ros.zenoh.link import ZenohEntity, ZenohLink, ZenohPublisher
 
 # DDS allows all characters in names, but Zenoh's special characters must not occur in its keys.
-NAME = re.compile(r"(/[A-Za-z_]\w*)+", re.ASCII)
+ROS_NAME = re.compile(r"(/[A-Za-z_]\w*)+", re.ASCII)
 TYPE = re.compile(r"\w+/\w+/\w+", re.ASCII)
 COMMAND_QOS = Qos()
 # Period of checking which topics students subscribe to [s].
@@ -168,7 +168,7 @@ class DdsBridge:
     def _on_entity(self, entity: Entity, has_joined: bool) -> None:
         """Declare an entity of the robot on the Zenoh side, or withdraw it."""
         names = (f"{entity.namespace.rstrip('/')}/{entity.node}", entity.topic or "/_")
-        if not all(map(NAME.fullmatch, names)) or (entity.topic and not TYPE.fullmatch(entity.type_name)):
+        if not all(map(ROS_NAME.fullmatch, names)) or (entity.topic and not TYPE.fullmatch(entity.type_name)):
             return
         if not has_joined:
             self._remove(entity)

@@ -31,7 +31,7 @@ from tornado.web import Application, RequestHandler
 
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
-from course_lib.gateway.dds_bridge import DdsBridge
+from course_lib.gateway.dds_bridge import ROS_NAME, DdsBridge
 from course_lib.grading.submissions.roster import read_class
 from course_lib.ros.graph.topics import ros_type
 from course_lib.ros.robot.addresses import full_address, is_over_dds
@@ -39,6 +39,7 @@ from course_lib.ros.robot.sending import is_motion, stop_message
 from course_lib.ros.zenoh.link import (
     ADMIN,
     PRESENCE,
+    RETRY,
     ROBOT,
     STUDENTS,
     Handlers,
@@ -50,7 +51,6 @@ from course_lib.third_party import read_json
 
 # The protocol between both routers. Students can neither listen nor connect with it.
 INNER = "unixsock-stream"
-ROS_NAME = re.compile(r"(/[A-Za-z_]\w*)+", re.ASCII)
 LOOK = ["declare_subscriber", "declare_liveliness_subscriber", "liveliness_query"]
 MESSAGES = [*LOOK, "put", "delete", "declare_queryable", "query", "reply", "liveliness_token"]
 # ** does not match chunks of a key that begin with @.
@@ -262,7 +262,7 @@ def open_router(settings: dict[str, Any], option: str = "--listen") -> zenoh.Ses
         "mode": "router",
         "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,
-        "connect/retry": {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 2},
+        "connect/retry": RETRY,
         "timestamping/enabled": True,
         "queries_default_timeout": 600_000,
         # Read by Gateway.links.

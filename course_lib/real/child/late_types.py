@@ -66,6 +66,8 @@ def is_string(element: str) -> bool:
 
 
 class _Writer:
+    """Writes a message as little-endian CDR. `body` has the bytes after the header."""
+
     def __init__(self) -> None:
         self.body = bytearray()
 
@@ -106,6 +108,8 @@ class _Writer:
 
 
 class _Reader:
+    """Reads a message from CDR bytes with their header, which has the byte order."""
+
     def __init__(self, data: bytes) -> None:
         self.order = "<" if data[1] & 1 else ">"
         self.body = data[len(HEADER) :]

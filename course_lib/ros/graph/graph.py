@@ -57,6 +57,14 @@ class Alarm:
         self.is_cancelled = True
 
 
+@dataclass(frozen=True, slots=True)
+class Tap:
+    """A listener of all samples, and the topics that a robot has to send for it; None: all topics."""
+
+    listener: Callable[[Sample], None]
+    select_topics: TopicSelector | None
+
+
 class Graph:
     """The nodes and topics of one run, its clock and its scheduled events.
 
@@ -112,7 +120,7 @@ class Graph:
         self._hidden_nodes: set[int] = set()
         # The number that was assigned last to a node or endpoint.
         self.last_id = 0
-        self._taps: list[tuple[Callable[[Sample], None], TopicSelector | None]] = []
+        self._taps: list[Tap] = []
         self._watchers: list[Callable[[int], None]] = []
 
     @property
@@ -289,7 +297,7 @@ class Graph:
         of services are not included. `select_topics` returns the topics that a robot has to send
         for the listener; None stands for all.
         """
-        tap = (listener, select_topics)
+        tap = Tap(listener, select_topics)
         self._taps.append(tap)
         return lambda: self._taps.remove(tap)
 
@@ -327,8 +335,8 @@ class Graph:
         return sorted(samples, key=lambda sample: sample.stamp_ns)
 
     def _notify_taps(self, sample: Sample) -> None:
-        for listener, _ in tuple(self._taps) if sample.topic.startswith("/") else ():
-            listener(sample)
+        for tap in tuple(self._taps) if sample.topic.startswith("/") else ():
+            tap.listener(sample)
 
     def _advance_to(self, now_ns: int) -> None:
         if now_ns > self._now_ns:

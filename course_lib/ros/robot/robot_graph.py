@@ -27,6 +27,7 @@ from typing import Any
 from course_lib.errors import format_count
 from course_lib.ros.graph.graph import Graph
 from course_lib.ros.graph.topics import (
+    CLOCK,
     SERVICE_HEADER,
     EndpointInfo,
     OnMessage,
@@ -445,7 +446,7 @@ def ignore(cdr: bytes, source_ns: int, received_ns: int) -> None:
 
 
 NO_SKEW = "not measured: no topic is received yet"
-CLOCK = "/clock"
+CLOCK_TOPIC = CLOCK[0]
 # Time that a program or view has to subscribe to the robot's clock [s].
 CLOCK_SECONDS = 2.0
 # Limit on a wait, so that an interrupt is noticed soon [s].
@@ -461,6 +462,14 @@ SILENT_SECONDS = 5.0
 TAP_NODE = "_course_lib"
 # Limit on actions that run before a due event.
 MAX_ACTIONS = 100
+
+
+@dataclass(frozen=True)
+class OwnNode:
+    """A node of the kit: the link's entity, of which endpoints are made, and its declaration."""
+
+    entity: Any
+    declaration: Declaration
 
 
 class RobotGraph(Graph):
@@ -481,7 +490,7 @@ class RobotGraph(Graph):
         self.blocked = BlockedTraffic(report, notebook=notebook)
         self._allowed, self._report = allowed, report
         self._reported = set[str]()
-        self._own_nodes: dict[int, tuple[Any, Declaration]] = {}
+        self._own_nodes: dict[int, OwnNode] = {}
         # Subscriptions of the kit by endpoint.
         self._announced: dict[int, Declaration] = {}
         self._subscriptions = TopicSubscriptions(link, self._on_message)
@@ -533,7 +542,7 @@ class RobotGraph(Graph):
         """Add a node and announce it."""
         node = super().add_node(name, namespace)
         entity = self.link.node(name, namespace)
-        self._own_nodes[node] = entity, self.link.announce(entity)
+        self._own_nodes[node] = OwnNode(entity, self.link.announce(entity))
         return node
 
     def remove_node(self, node: int) -> None:
@@ -543,13 +552,13 @@ class RobotGraph(Graph):
                 self.remove_endpoint(info.id)
         super().remove_node(node)
         if node in self._own_nodes:
-            self._own_nodes.pop(node)[1].withdraw()
+            self._own_nodes.pop(node).declaration.withdraw()
 
     def add_publisher(self, node: int, topic: str, type_name: str, qos: Qos) -> int:
         """Add a publisher. It is on the network if its topic may be sent."""
         endpoint = super().add_publisher(node, topic, type_name, qos)
         info = self._topics.publishers[endpoint].info
-        own_node = self._own_nodes[node][0]
+        own_node = self._own_nodes[node].entity
         if info.service is None:
             if self._allowed.is_topic_allowed(topic):
                 network_topic = self.link.network_topic(topic)
@@ -566,7 +575,7 @@ class RobotGraph(Graph):
     ) -> int:
         """Add a subscription. From now on the robot sends the topic."""
         endpoint = super().add_subscription(node, entity, topic, type_name, qos, on_message)
-        info, own_node = self._topics.subscriptions[endpoint].info, self._own_nodes[node][0]
+        info, own_node = self._topics.subscriptions[endpoint].info, self._own_nodes[node].entity
         if info.service is None:
             # Subscribe before announcing, because a peer that sees the announcement may publish
             # immediately.
@@ -700,7 +709,7 @@ class RobotGraph(Graph):
     def _on_new_entity(self, entity: Entity) -> None:
         self._report_once(entity.type_name, type_warning(entity))
         if entity.kind == "publisher":
-            if entity.topic == CLOCK and self._clock_found_at is None:
+            if entity.topic == CLOCK_TOPIC and self._clock_found_at is None:
                 self._clock_found_at = wall.monotonic()
             # Poll immediately, so that taps miss as few of the first messages as possible.
             self._polled_ns = 0
@@ -753,17 +762,17 @@ class RobotGraph(Graph):
         if self._clock_found_at is None or wall.monotonic() - self._clock_found_at < CLOCK_SECONDS:
             return
         own_nodes = self._own_nodes.keys() - {self._tap_node}
-        subscriptions = (info for info in self._topics.endpoints_on(CLOCK) if info.kind == "sub")
+        subscriptions = (info for info in self._topics.endpoints_on(CLOCK_TOPIC) if info.kind == "sub")
         is_followed = any(info.node in own_nodes for info in subscriptions) or any(
-            select_topics is not None and CLOCK in select_topics() for _, select_topics in self._taps
+            tap.select_topics is not None and CLOCK_TOPIC in tap.select_topics() for tap in self._taps
         )
         if not is_followed:
-            self._report_once(CLOCK, SIMULATED_TIME)
+            self._report_once(CLOCK_TOPIC, SIMULATED_TIME)
 
     def _follow_taps(self) -> None:
         """Subscribe to the topics that displays and recordings need, with the offered QoS."""
         offered_qos = {(info.topic, info.type_name): info.qos for info in self._remote.publisher_infos()}
-        selectors = [select_topics for _, select_topics in self._taps]
+        selectors = [tap.select_topics for tap in self._taps]
         names = {name for select_topics in selectors if select_topics is not None for name in select_topics()}
         needs_all = None in selectors
         topics = {

@@ -161,6 +161,8 @@ class DriverReport:
 
 OPEN_SECONDS = 3.0  # [s] timeout of a router's answer
 CALL_SECONDS = 600.0  # [s] timeout of a service call, as in rmw_zenoh
+# Intervals between attempts to connect.
+RETRY = {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 2}
 # Timeout of running handlers at the end, and the polling period.
 END_SECONDS, POLL_SECONDS = 2.0, 0.005
 
@@ -211,7 +213,7 @@ def open_session(address: str, login: Login = NO_LOGIN) -> zenoh.Session:
         "mode": "client",
         "connect/endpoints": [address],
         "connect/timeout_ms": round(OPEN_SECONDS * 1000),
-        "connect/retry": {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 2},
+        "connect/retry": RETRY,
         "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,
         "listen/endpoints": [],
