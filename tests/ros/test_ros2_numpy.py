@@ -7,10 +7,11 @@ import pytest
 import ros2_numpy
 from geometry_msgs.msg import Point, Pose, Quaternion, Transform, Vector3
 from nav_msgs.msg import OccupancyGrid
-from ros2_numpy import msgify, numpify
-from ros2_numpy.conversions import (
+from ros2_numpy import (
     get_xyz_points,
     merge_rgb_fields,
+    msgify,
+    numpify,
     pointcloud2_to_xyz_array,
     split_rgb_field,
 )
@@ -45,7 +46,7 @@ def test_homogeneous_coordinates_of_points_and_vectors_differ() -> None:
 
 @pytest.mark.parametrize("encoding", ["mono8", "rgb8", "bgra8", "mono16", "16UC1", "32FC1", "64FC3", "8SC2"])
 def test_image_survives_a_round_trip(encoding: str) -> None:
-    dtype, channels = ros2_numpy.image._format_of(encoding)
+    dtype, channels = ros2_numpy._format_of(encoding)
     shape = (4, 5) if channels == 1 else (4, 5, channels)
     pixels = (CHANCE.random(shape) * 100).astype(dtype)
     message = msgify(Image, pixels, encoding=encoding)

@@ -18,6 +18,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from enum import Enum, auto
 from typing import Any
 
@@ -150,7 +151,8 @@ class ProgramThread:
         """Interrupt as Ctrl+C does: call the program's handler or raise KeyboardInterrupt."""
         handler = self.handlers.get(signal.SIGINT)
         # rclpy's handler shuts down the contexts and then calls the program's one, if it can be called.
-        is_below_rclpy = real_getsignal(signal.SIGINT) is hidden_handlers.get(signal.SIGINT, (None,))[0]
+        hidden = hidden_handlers.get(signal.SIGINT)
+        is_below_rclpy = hidden is not None and real_getsignal(signal.SIGINT) is hidden.handler
         if callable(handler):
             self.report_interrupted_polling()
             handler(signal.SIGINT, sys._getframe(1))
@@ -645,9 +647,21 @@ time_lock = TimeLock()
 
 
 real_signal, real_getsignal = signal.signal, signal.getsignal
-# By signal number: rclpy's handler, and the handler that it replaced and calls. In ROS the former
-# is written in C, so that Python shows the latter.
-hidden_handlers: dict[int, tuple[Any, Any]] = {}
+
+
+@dataclass(frozen=True)
+class HiddenHandler:
+    """rclpy's handler of a signal, and the handler that it has replaced and calls.
+
+    In ROS the former is written in C, so that Python shows the latter.
+    """
+
+    handler: Any
+    replaced: Any
+
+
+# By signal number.
+hidden_handlers: dict[int, HiddenHandler] = {}
 
 
 def set_handler(number: int, handler: Any) -> Any:
@@ -673,5 +687,5 @@ def get_handler(number: int) -> Any:
         default = signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL
         return handlers.get(number, default)
     handler = real_getsignal(number)
-    hidden, replaced = hidden_handlers.get(number, (None, None))
-    return replaced if handler is hidden else handler
+    hidden = hidden_handlers.get(number)
+    return hidden.replaced if hidden is not None and handler is hidden.handler else handler

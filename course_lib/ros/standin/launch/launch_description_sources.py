@@ -97,10 +97,9 @@ def get_launch_description_from_any_launch_file(launch_file_path: str | Path) ->
 
     A file without a suffix of XML or YAML is executed as Python.
     """
-    in_words = Path(launch_file_path).suffix in LAUNCH_IN_WORDS
-    return (description_of if in_words else get_launch_description_from_python_launch_file)(
-        Path(launch_file_path)
-    )
+    if Path(launch_file_path).suffix in LAUNCH_IN_WORDS:
+        return description_of(Path(launch_file_path))
+    return get_launch_description_from_python_launch_file(launch_file_path)
 
 
 class LaunchDescriptionSource:

@@ -275,12 +275,12 @@ class Executor(AbstractContextManager["Executor"]):
         A callback that takes robot time may end later. No callback is started after that.
         """
         graph = current_graph()
-
-        def something_to_do() -> bool:
-            return self._course_can_work() or ready()
-
         while not ready() and (until_ns is None or graph.now_ns <= until_ns):
-            if not time_lock.wait(something_to_do, until_ns=until_ns, awaited="a timer or a message"):
+            if not time_lock.wait(
+                lambda: self._course_can_work() or ready(),
+                until_ns=until_ns,
+                awaited="a timer or a message",
+            ):
                 return
             self._spin_once_impl(0, never)
 

@@ -43,11 +43,18 @@ class ParameterService:
 
     def __init__(self, node: AnyNode) -> None:
         self._node = node
+        callbacks = {
+            "describe_parameters": self._describe_parameters,
+            "get_parameters": self._get_parameters,
+            "get_parameter_types": self._get_parameter_types,
+            "list_parameters": self._list_parameters,
+            "set_parameters": self._set_parameters,
+            "set_parameters_atomically": self._set_parameters_atomically,
+        }
         for name, kind in SERVICES.items():
-            answer = getattr(self, f"_{name}")
             # rclpy calls the method, which a student's class may override.
             service = f"{node.get_name()}/{name}"
-            node.create_service(kind, service, answer, qos_profile=qos_profile_parameters)
+            node.create_service(kind, service, callbacks[name], qos_profile=qos_profile_parameters)
 
     def _describe_parameters(self, request: Any, response: Any) -> Any:
         """Describe all requested parameters, or none if one of them is not declared, as in ROS."""

@@ -9,7 +9,13 @@ from enum import IntFlag
 from types import FrameType
 
 from course_lib.ros.graph.graph import current_graph
-from course_lib.ros.time.time_lock import hidden_handlers, real_getsignal, real_signal, time_lock
+from course_lib.ros.time.time_lock import (
+    HiddenHandler,
+    hidden_handlers,
+    real_getsignal,
+    real_signal,
+    time_lock,
+)
 from rclpy.context import Contexts
 
 
@@ -32,22 +38,22 @@ def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions
     for option in (SignalHandlerOptions.SIGINT, SignalHandlerOptions.SIGTERM):
         number = signal.Signals[option.name or ""]
         if option in options and real_getsignal(number) is not _handle:
-            hidden_handlers[number] = (_handle, real_signal(number, _handle))
+            hidden_handlers[number] = HiddenHandler(_handle, real_signal(number, _handle))
 
 
 def uninstall_signal_handlers() -> None:
     """Restore the previous handlers, except where the program has replaced rclpy's handler."""
     current_graph().state(Contexts).handles_interrupts = False
     if threading.current_thread() is threading.main_thread():
-        for number, (hidden, replaced) in hidden_handlers.items():
-            if real_getsignal(number) is hidden:
-                real_signal(number, replaced)
+        for number, hidden in hidden_handlers.items():
+            if real_getsignal(number) is hidden.handler:
+                real_signal(number, hidden.replaced)
 
 
 def _handle(number: int, frame: FrameType | None) -> None:
     for context in current_graph().state(Contexts).initialized:
         context.invalidate()
     time_lock.record_signal()
-    replaced = hidden_handlers[number][1]
+    replaced = hidden_handlers[number].replaced
     if callable(replaced):
         replaced(number, frame)

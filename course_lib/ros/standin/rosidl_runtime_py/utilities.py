@@ -49,6 +49,7 @@ def _import_checked(identifier: str, folder: str, fits: Any, what: str) -> Any:
 
 
 def _import_class(identifier: str, folder: str | None) -> Any:
+    """Return the class of a type name. `folder` completes a name like std_msgs/String."""
     *spaces, name = identifier.split("/")
     if len(spaces) == 1 and folder is not None:
         spaces.append(folder)
@@ -60,8 +61,4 @@ def _import_class(identifier: str, folder: str | None) -> Any:
 
 def import_message_from_namespaced_type(message_type: NamespacedType) -> Any:
     """Return the class of the messages in a field, by its type in `SLOT_TYPES`."""
-    module = import_module(".".join(message_type.namespaces))
-    if message_type.name.endswith("_FeedbackMessage"):
-        action = message_type.name.removesuffix("_FeedbackMessage")
-        return getattr(module, action).Impl.FeedbackMessage
-    return getattr(module, message_type.name)
+    return _import_class("/".join([*message_type.namespaces, message_type.name]), None)
