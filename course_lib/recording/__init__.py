@@ -14,7 +14,7 @@ import struct
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
@@ -439,37 +439,33 @@ def _write_ahead_log(path: Path) -> Path | None:
 
 
 def _sqlite(path: Path) -> Iterator[Sample]:
-    if log := _write_ahead_log(path):
-        # SQLite writes next to such a file even to read it, and the bag's folder may be read-only.
-        with TemporaryDirectory() as folder:
-            for source in (path, log):
-                shutil.copyfile(source, Path(folder, source.name))
-            yield from _sqlite_messages(Path(folder, path.name))
-    else:
-        yield from _sqlite_messages(path)
-
-
-def _sqlite_messages(path: Path) -> Iterator[Sample]:
     from rosbags.rosbag2.metadata import parse_qos
 
-    database = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)
-    # Otherwise SQLite rejects a file that is shorter than its header states.
-    database.execute("PRAGMA writable_schema = ON")
-    # Bags of Humble lack the table.
-    for _ in database.execute(_DEFINITIONS_TABLE).fetchall():
-        for type_name, encoding, text in database.execute(_DEFINITIONS):
-            if encoding in _TEXT_ENCODINGS:
-                add_stored_definition(type_name, text)
-    topics = {}
-    for topic, name, type_name, serialization_format, qos_text in database.execute(_TOPICS):
-        _check_format(path, name, serialization_format)
-        topics[topic] = name, type_name, from_bag(parse_qos(qos_text))
-    for stamp_ns, topic, cdr in database.execute(_MESSAGES):
-        # Beyond the end of a truncated file all columns are NULL, and this raises a KeyError.
-        name, type_name, qos = topics[topic]
-        # SQLite stores any type in any column.
-        if isinstance(stamp_ns, int) and isinstance(cdr, bytes):
-            yield Sample(stamp_ns, name, type_name, cdr, qos, node=0)
+    with ExitStack() as stack:
+        if log := _write_ahead_log(path):
+            # SQLite writes next to such a file even to read it, and the bag's folder may be read-only.
+            folder = stack.enter_context(TemporaryDirectory())
+            for source in (path, log):
+                shutil.copyfile(source, Path(folder, source.name))
+            path = Path(folder, path.name)
+        database = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)
+        # Otherwise SQLite rejects a file that is shorter than its header states.
+        database.execute("PRAGMA writable_schema = ON")
+        # Bags of Humble lack the table.
+        for _ in database.execute(_DEFINITIONS_TABLE).fetchall():
+            for type_name, encoding, text in database.execute(_DEFINITIONS):
+                if encoding in _TEXT_ENCODINGS:
+                    add_stored_definition(type_name, text)
+        topics = {}
+        for topic, name, type_name, serialization_format, qos_text in database.execute(_TOPICS):
+            _check_format(path, name, serialization_format)
+            topics[topic] = name, type_name, from_bag(parse_qos(qos_text))
+        for stamp_ns, topic, cdr in database.execute(_MESSAGES):
+            # Beyond the end of a truncated file all columns are NULL, and this raises a KeyError.
+            name, type_name, qos = topics[topic]
+            # SQLite stores any type in any column.
+            if isinstance(stamp_ns, int) and isinstance(cdr, bytes):
+                yield Sample(stamp_ns, name, type_name, cdr, qos, node=0)
 
 
 # Name of the MCAP file. rosbags would use the folder's name and write it into the file.
@@ -678,7 +674,11 @@ def bag_info(folder: str | Path, *, digest: bool = True) -> str:
     kind = about.get("storage_identifier", "mcap" if files[0].suffix == ".mcap" else "sqlite3")
     counts = topic_counts(about, recording)
     # As in rosbag2, the events of services are not counted as messages, nor listed as topics.
-    services = {topic: count for topic, count in counts.items() if _is_service_event(*topic)}
+    services = {
+        (topic, type_name): count
+        for (topic, type_name), count in counts.items()
+        if topic.endswith(_EVENT_TOPIC) and "/srv/" in type_name and type_name.endswith(_EVENT)
+    }
     rows = [
         ("Files:", f"\n{' ' * _LABEL}".join(path.name for path in files)),
         ("Bag size:", _size(sum(path.stat().st_size for path in files))),
@@ -736,10 +736,6 @@ def topic_counts(about: dict[str, Any], recording: Recording) -> dict[tuple[str,
     listed = [(topic.get("name"), topic.get("type")) for topic in _topics_in_metadata(about)]
     topics = dict.fromkeys([*((str(name), str(kind)) for name, kind in listed if name and kind), *counts])
     return {key: counts.get(key, 0) for key in topics}
-
-
-def _is_service_event(topic: str, type_name: str) -> bool:
-    return topic.endswith(_EVENT_TOPIC) and "/srv/" in type_name and type_name.endswith(_EVENT)
 
 
 def _size(size: float) -> str:
@@ -876,22 +872,19 @@ class _LiveBag:
 
     def _on_sample(self, sample: Sample) -> None:
         for stamped in self._stamp_samples(sample):
-            self._take(stamped)
-
-    def _take(self, sample: Sample) -> None:
-        if self._problem is not None:
-            return
-        name = sample.topic, sample.type_name
-        try:
-            if name not in self._is_recorded:
-                self._is_recorded[name] = self._is_selected(*name)
+            if self._problem is not None:
+                return
+            name = stamped.topic, stamped.type_name
+            try:
+                if name not in self._is_recorded:
+                    self._is_recorded[name] = self._is_selected(*name)
+                    if self._is_recorded[name]:
+                        self._writer.add(*name, [stamped.qos])
                 if self._is_recorded[name]:
-                    self._writer.add(*name, [sample.qos])
-            if self._is_recorded[name]:
-                self._writer.write(*name, sample.stamp_ns, sample.cdr)
-        except OSError as error:
-            self._problem = self._write_error(error)
-            self._writer.abort()
+                    self._writer.write(*name, stamped.stamp_ns, stamped.cdr)
+            except OSError as error:
+                self._problem = self._write_error(error)
+                self._writer.abort()
 
     def _write_error(self, error: OSError) -> CourseError:
         return CourseError(f"Can't write the bag {self._folder}: {error.strerror}. Choose another folder.")
