@@ -320,26 +320,12 @@ def classroom(
     raise typer.Exit(NOT_PASSED if any(line.startswith("refused") for line in lines) else 0)
 
 
-# Commands that run or store submissions.
+# Commands that run or store submissions, for which they fork processes.
 _FORKING = {"check", "classroom", "collect", "grade", "mark", "verify"}
 
 staff = typer.Typer()
 staff.add_typer(authors)
 staff.add_typer(classes)
-
-
-def require_fork(command: str) -> None:
-    """Raise an error for a command that forks processes if the system cannot, like native Windows.
-
-    Raises:
-        CourseError: The command runs or stores submissions, and processes cannot fork here.
-    """
-    if command in _FORKING and not hasattr(os, "fork"):
-        instead = " In the exercise itself check() works without." if command == "check" else ""
-        raise CourseError(
-            f"course {command} needs Linux, macOS or WSL2: on this system ({sys.platform}) a "
-            f"process can't fork.{instead}"
-        )
 
 
 @staff.command()
@@ -483,30 +469,12 @@ def mark(
         lines = fill_lms(
             out, lms, to, **names, raw=raw, cap=cap, comment_column=comment_column, students=students
         )
-    elif without_file:
-        lines = [_mark_without_file(out, given or (), row, comment, withdraw=withdraw)]
     else:
-        lines = [_mark(out, given or (), row, comment, withdraw=withdraw, is_lms=lms is not None)]
+        is_lms = lms is not None and not without_file
+        about = (given or (), row, comment)
+        lines = [_mark(out, *about, withdraw=withdraw, without_file=without_file, is_lms=is_lms)]
     for line in lines:
         typer.echo(line)
-
-
-def _mark_without_file(
-    out: Path,
-    given: Sequence[str],
-    row: str,
-    comment: str,
-    *,
-    withdraw: bool,
-) -> str:
-    from course_lib.grading.marking.by_hand import mark_without_file
-
-    if row or len(given) != len(("STUDENT", "EXERCISE")) + (not withdraw):
-        raise CourseError(
-            "write: course mark OUT STUDENT EXERCISE POINTS --without-file [--comment TEXT]; "
-            "or: course mark OUT STUDENT EXERCISE --without-file --withdraw"
-        )
-    return mark_without_file(out, *given, comment=comment, withdraw=withdraw)
 
 
 def _mark(
@@ -516,14 +484,22 @@ def _mark(
     comment: str,
     *,
     withdraw: bool,
+    without_file: bool,
     is_lms: bool,
 ) -> str:
     """Store the points of `course mark`, and return the line to print.
 
     Without points, update reports and gradebook from the stored marks.
     """
-    from course_lib.grading.marking.by_hand import follow_marks, mark_by_hand
+    from course_lib.grading.marking.by_hand import follow_marks, mark_by_hand, mark_without_file
 
+    if without_file:
+        if row or len(given) != len(("STUDENT", "EXERCISE")) + (not withdraw):
+            raise CourseError(
+                "write: course mark OUT STUDENT EXERCISE POINTS --without-file [--comment TEXT]; "
+                "or: course mark OUT STUDENT EXERCISE --without-file --withdraw"
+            )
+        return mark_without_file(out, *given, comment=comment, withdraw=withdraw)
     if not is_lms and not (given or row or comment or withdraw):
         return follow_marks(out, waiting=typer.echo)
     if not is_lms and withdraw and not comment and len(given) == len(("STUDENT", "EXERCISE", "TASK")):
@@ -569,7 +545,14 @@ Version = Annotated[
 @app.callback()
 def course(context: typer.Context, debug: Debug = False, version: Version = False) -> None:
     """Learn robot visualization and ROS 2 tooling in JupyterLab, installed by pip alone."""
-    require_fork(context.invoked_subcommand or "")
+    command = context.invoked_subcommand or ""
+    if command in _FORKING and not hasattr(os, "fork"):
+        # Native Windows.
+        instead = " In the exercise itself check() works without." if command == "check" else ""
+        raise CourseError(
+            f"course {command} needs Linux, macOS or WSL2: on this system ({sys.platform}) a "
+            f"process can't fork.{instead}"
+        )
 
 
 @app.command()
