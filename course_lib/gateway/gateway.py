@@ -35,7 +35,7 @@ from course_lib.gateway.dds_bridge import ROS_NAME, DdsBridge
 from course_lib.grading.submissions.roster import read_class
 from course_lib.ros.graph.topics import ros_type
 from course_lib.ros.robot.addresses import full_address, is_over_dds
-from course_lib.ros.robot.sending import is_motion, stop_message
+from course_lib.ros.robot.sending import STALE_SECONDS, STOP_PERIOD, is_motion, stop_message
 from course_lib.ros.zenoh.link import (
     ADMIN,
     PRESENCE,
@@ -281,10 +281,6 @@ def open_router(settings: dict[str, Any], option: str = "--listen") -> zenoh.Ses
         ) from error
 
 
-# Time without a command after which a moving robot is stopped [s].
-SILENCE = 0.5
-# Polling period of the driver's commands [s].
-TURN = 0.05
 # Maximum number of keys per driver, so that commands cannot exhaust the memory.
 MOST_KEYS = 8
 # Timeout after which a blocked link of a student is closed [µs].
@@ -458,8 +454,9 @@ class Gateway:
         """Send a stop command on each topic that moves the robot.
 
         Args:
-            older_than: Topics with a newer command are left alone [s]. With SILENCE, call it every
-                TURN seconds, so that the robot stops when its driver sends no more commands.
+            older_than: Topics with a newer command are left alone [s]. With STALE_SECONDS, call it
+                every STOP_PERIOD seconds, so that the robot stops when its driver sends no more
+                commands.
         """
         with self._lock:
             for stream in self._streams.values():
@@ -750,7 +747,7 @@ def _serve(gateway: Gateway, driver_file: Path, write: Write) -> None:
     robot = "robot" if is_over_dds(gateway.settings.robot) else "robot's router"
     try:
         while True:
-            gateway.stop(older_than=SILENCE)
+            gateway.stop(older_than=STALE_SECONDS)
             text = driver_file.read_text(encoding="utf-8").strip() if driver_file.exists() else driver_text
             if text != driver_text:
                 driver_text = text
@@ -763,7 +760,7 @@ def _serve(gateway: Gateway, driver_file: Path, write: Write) -> None:
             if is_linked != gateway.is_robot_connected():
                 is_linked = not is_linked
                 write(f"The {robot} is linked." if is_linked else f"The link to the {robot} is lost.")
-            gateway.wait(TURN)
+            gateway.wait(STOP_PERIOD)
     except KeyboardInterrupt:
         write("Stopped.")
 

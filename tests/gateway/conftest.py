@@ -9,7 +9,8 @@ import pytest
 import zenoh
 from zenoh.handlers import Callback
 
-from course_lib.gateway.gateway import PASSWORDS, SILENCE, TURN, Gateway, GatewayUser, Settings, load_users
+from course_lib.gateway.gateway import PASSWORDS, Gateway, GatewayUser, Settings, load_users
+from course_lib.ros.robot.sending import STALE_SECONDS, STOP_PERIOD
 from tests.patience import PATIENCE, join
 from tests.ports import free_port
 
@@ -75,8 +76,8 @@ class Classroom:
         self._thread.start()
 
     def _look_after(self) -> None:
-        while not self._ended.wait(TURN):
-            self.gateway.stop(older_than=SILENCE)
+        while not self._ended.wait(STOP_PERIOD):
+            self.gateway.stop(older_than=STALE_SECONDS)
 
     def student(self, user: GatewayUser, mode: str = "client") -> zenoh.Session:
         session = self._opened(self.place, user, mode)

@@ -12,13 +12,13 @@ from typing import Any
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.gateway.gateway import PASSWORDS, SILENCE, TURN, Gateway, GatewayUser, Settings, load_users
+from course_lib.gateway.gateway import PASSWORDS, Gateway, GatewayUser, Settings, load_users
 from course_lib.ros.dds.link import DdsLink
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages.definitions import type_hash
 from course_lib.ros.robot.link import Packet
 from course_lib.ros.robot.robot_graph import RobotGraph
-from course_lib.ros.robot.sending import Permissions
+from course_lib.ros.robot.sending import STALE_SECONDS, STOP_PERIOD, Permissions
 from course_lib.ros.zenoh.link import ZenohLink
 from tests.gateway.conftest import ROSTER
 from tests.gateway.test_driving import AHEAD, STAND, TWIST
@@ -105,8 +105,8 @@ class DdsClassroom:
 
     def _look_after(self) -> None:
         while not self._ended.is_set():
-            self.gateway.stop(older_than=SILENCE)
-            self.gateway.wait(TURN)
+            self.gateway.stop(older_than=STALE_SECONDS)
+            self.gateway.wait(STOP_PERIOD)
 
     def student(self, user: GatewayUser) -> RobotGraph:
         """Link a student's kit to the gateway."""
@@ -365,7 +365,7 @@ def test_unresponsive_address_is_reported_once(tmp_path: Path, monkeypatch: pyte
     gateway = Gateway(settings, users, tmp_path / PASSWORDS, lines.append)
     deadline = time.monotonic() + 1.0
     while time.monotonic() < deadline:
-        gateway.wait(TURN)
+        gateway.wait(STOP_PERIOD)
     gateway.close()
     assert len(lines) == 1
     assert lines[0].startswith(f"Nothing comes from dds/127.77.0.9 in domain {FIRST_DOMAIN - 1}.")

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 MAX_DOMAIN = 232
 # Time in which the first node of the robot must be discovered [s].
-DISCOVERY = 1.0
+DISCOVERY_SECONDS = 1.0
 # Time after the first node in which the other nodes are discovered [s].
-SETTLED = 0.3
+SETTLING_SECONDS = 0.3
 
 
 @dataclass(frozen=True)
@@ -81,11 +81,11 @@ def link_to(robot: RobotAddress, *, notebook: bool = False) -> "RobotGraph":
     atexit.register(graph.close_at_exit)
     if not notebook:
         exit_at_signals()
-    deadline = wall.monotonic() + DISCOVERY
+    deadline = wall.monotonic() + DISCOVERY_SECONDS
     settled_at: float | None = None
     while wall.monotonic() < min(deadline, settled_at or deadline):
         if settled_at is None and graph.nodes():
-            settled_at = wall.monotonic() + SETTLED
+            settled_at = wall.monotonic() + SETTLING_SECONDS
         graph.advance()
     if not graph.nodes():
         report(link.no_nodes_message())

@@ -44,15 +44,15 @@ def is_motion(cdr: bytes, type_name: str) -> bool:
 
 
 # Time without a command after which a moving robot is stopped [s].
-STALE = 0.5
+STALE_SECONDS = 0.5
 # Period of the thread that stops robots [s].
-PERIOD = 0.05
+STOP_PERIOD = 0.05
 # Packages whose services a node has by itself, for its parameters, log levels and states.
 PACKAGES_OF_NODE_SERVICES = ("rcl_interfaces", "type_description_interfaces", "lifecycle_msgs")
 # Limit on calls that are kept for an error message.
 MAX_CALLS = 100
 # Time after which Zenoh notices that a link is dead [s].
-LEASE = 10.0
+LEASE_SECONDS = 10.0
 
 
 @dataclass(frozen=True)
@@ -177,7 +177,7 @@ class StopCommand:
             if zero is not None and (self._stop_sent is None or (is_matched and self._is_stop_lost)):
                 self.publisher.put(zero)
                 self._stop_sent = now
-            elif is_matched and self._stop_sent is not None and now - self._stop_sent > LEASE:
+            elif is_matched and self._stop_sent is not None and now - self._stop_sent > LEASE_SECONDS:
                 self._may_move = False
             self._is_stop_lost = not is_matched
 
@@ -261,9 +261,9 @@ class OutgoingTraffic:
 
     def _watch(self) -> None:
         while self._is_open:
-            wall.sleep(PERIOD)
+            wall.sleep(STOP_PERIOD)
             for stop in tuple(self._stops.values()):
-                stop.stop(older_than=STALE)
+                stop.stop(older_than=STALE_SECONDS)
             self._repeat_stops()
             self._end_if_stopped()
 

@@ -22,7 +22,7 @@ from course_lib.ros.robot.robot_graph import (
     TopicSubscriptions,
     Traffic,
 )
-from course_lib.ros.robot.sending import STALE
+from course_lib.ros.robot.sending import STALE_SECONDS
 from course_lib.ros.time import wall
 from course_lib.ros.zenoh.link import encode_attachment, key_expr_of, open_session
 from course_lib.tools.sources import GraphSource
@@ -243,7 +243,7 @@ def test_stop_due_while_disconnected_is_sent_after_reconnection(routers: Routers
         routers.kill()
         kits.until(lambda: not (student.link.is_up() or robot.link.is_up()), "the loss")
         student.publish(drive, serialize(last))
-        due = wall.monotonic() + 2 * STALE
+        due = wall.monotonic() + 2 * STALE_SECONDS
         kits.until(lambda due=due: wall.monotonic() > due, "the time of the stop")  # type: ignore[misc]
         assert speeds(heard, Twist) == [0.2]
         routers.start()

@@ -14,7 +14,7 @@ from course_lib.ros.messages import deserialize, serialize, type_name
 from course_lib.ros.robot import robot_graph
 from course_lib.ros.robot.link import second_driver_warning
 from course_lib.ros.robot.robot_graph import RobotGraph
-from course_lib.ros.robot.sending import STALE, BlockedTraffic, Permissions
+from course_lib.ros.robot.sending import STALE_SECONDS, BlockedTraffic, Permissions
 from course_lib.ros.time import wall
 from course_lib.ros.zenoh.link import open_session
 from tests.ros.zenoh.conftest import Kits, zenoh_link
@@ -201,7 +201,7 @@ def test_robot_stops_when_its_commands_stop(kits: Kits, kind: Any) -> None:
     student.publish(drive, serialize(MOVING if kind is Twist else TwistStamped(twist=MOVING)))
     kits.graphs.remove(student)  # its kernel is busy, and drives nothing any more
     kits.until(lambda: speeds(heard, kind) == [0.2, 0.0], "the command and the stop")
-    assert wall.monotonic() - since >= STALE
+    assert wall.monotonic() - since >= STALE_SECONDS
     kits.graphs.append(student)
 
 

@@ -196,6 +196,10 @@ class _NodeSettings:
         for old, new in (*settings.get(_REMAPS, ()), *self.remappings):
             yield from ("-r", f"{text_of(context, old)}:={text_of(context, new)}")
 
+    def full_name(self, context: LaunchContext) -> str:
+        """Return the node's name within the namespace of the group."""
+        return f"{self.full_namespace(context)}/{text_of(context, self.name or '')}"
+
     def full_namespace(self, context: LaunchContext) -> str:
         """Return the node's namespace within the namespace of the group."""
         outer = context.launch_configurations.get(_NAMESPACE, "")
@@ -296,10 +300,9 @@ class LifecycleNode(Node):
         self._autostart = autostart
         # The fully qualified name, "" before the node is started.
         self.node_name = ""
-        self._given_name = name
 
     def _start(self, context: LaunchContext) -> list[Action]:
-        self.node_name = f"{self._settings.full_namespace(context)}/{text_of(context, self._given_name)}"
+        self.node_name = self._settings.full_name(context)
         LifecycleEventManager(self).setup_lifecycle_manager(context)
         super()._start(context)
         return [_activation(self.node_name)] if self._autostart else []
@@ -431,14 +434,14 @@ class ComposableLifecycleNode(ComposableNode):
         super().__init__(**options)
         if self._settings.name is None:
             raise TypeError("ComposableLifecycleNode: name=None, expected the node's name: name='camera'")
-        self._autostart, self._given_name = autostart, self._settings.name
+        self._autostart = autostart
         # The fully qualified name and the action that starts the node, once it was started.
         self.node_name = ""
         self.loading_action: Action | None = None
 
     def init_lifecycle_event_manager(self, context: LaunchContext) -> None:
         """Connect the node with the events of the launch."""
-        self.node_name = f"{self._settings.full_namespace(context)}/{text_of(context, self._given_name)}"
+        self.node_name = self._settings.full_name(context)
         LifecycleEventManager(self).setup_lifecycle_manager(context)
 
     def _on_start(self, context: LaunchContext, action: Action) -> Iterable[Action]:
