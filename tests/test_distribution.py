@@ -1,6 +1,7 @@
 """The sdist and the wheel, as an index would get them."""
 
 import csv
+import json
 import os
 import shutil
 import subprocess
@@ -108,10 +109,12 @@ def test_wheel_is_small_and_contains_no_answers(built: Path) -> None:
     with zipfile.ZipFile(wheel(built)) as archive:
         tops = {name.split("/")[0] for name in archive.namelist()}
         assert {top.split("-")[0] for top in tops} == {"course_lib"}
-        # Files outside the package: the extension that every JupyterLab of the environment loads.
+        # Files outside the package: the extension that every JupyterLab of the environment loads,
+        # and the settings of every nbconvert.
         data = {name.partition(".data/data/")[2] for name in archive.namelist() if ".data/data/" in name}
         folder = "share/jupyter/labextensions/course-lib"
-        assert data == {f"{folder}/package.json", f"{folder}/static/remoteEntry.js"}
+        extension = {f"{folder}/package.json", f"{folder}/static/remoteEntry.js"}
+        assert data == {*extension, "etc/jupyter/jupyter_nbconvert_config.json"}
         assert not [
             name for name in archive.namelist() if "HIDDEN = {" in archive.read(name).decode(errors="replace")
         ]
@@ -141,6 +144,20 @@ def run(home: Path, program: str, *words: str | Path) -> str:
     assert process.returncode == 0, process.stdout + process.stderr
     assert str(ROOT) not in process.stdout + process.stderr
     return process.stdout
+
+
+def test_nbconvert_of_an_environment_with_the_wheel_writes_alternative_texts(
+    home: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    templates = Path(sysconfig.get_path("data"), "share/jupyter")  # of nbconvert
+    monkeypatch.setenv("JUPYTER_PATH", str(templates))
+    picture = {"data": {"image/png": "iVBORw=="}, "metadata": {"image/png": {"alt": "a red cube"}}}
+    output = {"output_type": "display_data", **picture}
+    cell = {"cell_type": "code", "id": "view", "source": "viewer", "execution_count": 1, "metadata": {}}
+    notebook = {"cells": [cell | {"outputs": [output]}], "metadata": {}, "nbformat": 4, "nbformat_minor": 5}
+    (home / "view.ipynb").write_text(json.dumps(notebook))
+    run(home, "python", "-m", "nbconvert", "--to", "html", "view.ipynb")
+    assert '<img alt="a red cube" src="data:image/png' in (home / "view.html").read_text()
 
 
 def test_installed_wheel_runs_the_demo_and_creates_a_student_folder(home: Path) -> None:

@@ -82,6 +82,12 @@ SAVE_TWICE = """async () => {
     context.model.setMetadata("changed", "yes");
     return Promise.race([asks, context.save().then(() => second).then(() => "saved")]); }"""
 
+# JupyterLab's own kernel object does not know of this request.
+RESTART_FROM_ANOTHER_WINDOW = """async () => {
+    const { baseUrl, token } = jupyterapp.serviceManager.serverSettings;
+    const { id } = KERNEL, headers = { Authorization: `token ${token}` };
+    await fetch(`${baseUrl}api/kernels/${id}/restart`, { method: "POST", headers }); }"""
+
 
 @pytest.fixture(scope="module")
 def reopened(lab: Lab) -> Iterator[Notebook]:
@@ -270,6 +276,14 @@ def test_controls_of_a_restarted_kernel_become_text_without_broken_links(reopene
         .map(widget => getComputedStyle(widget, "::before").content)"""
     assert set(view.evaluate(icons)) <= {"none"}
     picture(reopened, "night_restarted")
+
+
+def test_page_reports_that_another_window_has_restarted_its_kernel(reopened: Notebook) -> None:
+    reopened.run_to("quiz(")
+    reopened.ask(RESTART_FROM_ANOTHER_WINDOW.replace("KERNEL", KERNEL))
+    saved(reopened.cell("quiz(")).get_by_text("The kernel has ended.").wait_for()
+    reopened.cell("viewer.add").get_by_text("The kernel of this view has ended.").wait_for()
+    picture(reopened, "night_restarted_elsewhere")
 
 
 def test_notebook_from_another_computer_shows_pictures_and_continue_buttons(reopened: Notebook) -> None:

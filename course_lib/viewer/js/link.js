@@ -19,7 +19,8 @@ const SAVED_WIDTH = 480; // [px] of the picture that is saved with the notebook,
 const SAVED_HEIGHT = 360; // [px] a side panel is higher than wide
 const CAPTION_FONT = "12px CourseSans, sans-serif";
 const LINE_HEIGHT = 16; // [px]
-const ENDED_STATUSES = ["dead", "terminating", "restarting", "autorestarting"]; // JupyterLab's statuses of a kernel that has ended
+// JupyterLab's statuses of a kernel that has ended. A restart by another window is seen as "starting" only.
+const ENDED_STATUSES = ["dead", "terminating", "restarting", "autorestarting", "starting"];
 
 /**
  * Keeps a mirror equal to the scene in the kernel.

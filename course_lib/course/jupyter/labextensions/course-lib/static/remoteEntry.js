@@ -13,7 +13,8 @@
   const CONTINUE_TITLE = "Run what this cell needs, then the cell itself";
   const AS_SAVED = "As it was when the notebook was saved.";
   const KERNEL_ENDED = "The kernel has ended.";
-  const ENDED_STATUSES = ["dead", "terminating", "restarting", "autorestarting"]; // statuses of a kernel that has ended
+  // Statuses of a kernel that has ended. A restart by another window is seen as "starting" only.
+  const ENDED_STATUSES = ["dead", "terminating", "restarting", "autorestarting", "starting"];
   const INSERTION_TIMEOUT = 2000; // [ms] that JupyterLab may take to insert an output into its cell
   const CODE_COLUMNS = 88; // of code that stay readable beside a view
   const NOTEBOOK_SHARE = 0.6; // of the notebook, where a view is beside it
