@@ -13,6 +13,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Awaitable, Sequence
 from dataclasses import dataclass
+from enum import EnumType
 from pathlib import Path
 from traceback import walk_tb
 from types import FrameType, FunctionType, ModuleType
@@ -102,6 +103,7 @@ def _find_hint(error: BaseException) -> str:
             return found
     if (
         found := _recursion_hint(error)
+        or _outdated_hint(error)
         or _foreign_letter_hint(error, text)
         or _hidden_property_hint(error)
         or _hidden_module_hint(error)
@@ -110,6 +112,7 @@ def _find_hint(error: BaseException) -> str:
         or _rclpy_attribute_hint(error)
         or near_names.parameter_hint(error)
         or near_names.keyword_hint(error)
+        or _enum_hint(error)
         or _lifecycle_hint(error, text)
         or _task_argument_hint(error, text)
         or near_names.extra_argument_hint(error)
@@ -176,6 +179,43 @@ def _find_hint(error: BaseException) -> str:
         if attribute and is_student_class(type(error.obj)):
             return f"set `self.{attribute[2]}` in {attribute[1]}.__init__, spelled the same."
     return ""
+
+
+def _outdated_hint(error: BaseException) -> str:
+    """Return the hint for an object whose class a cell has defined anew since, or "".
+
+    The missing attribute is in the new class, so that the student's code is right.
+    """
+    if not isinstance(error, AttributeError) or not near_names.is_student_class(type(error.obj)):
+        return ""
+    old, name = type(error.obj), error.name or ""
+    for frame, _ in walk_tb(error.__traceback__):
+        new = frame.f_globals.get(old.__name__)
+        if not isinstance(new, type) or new is old or new.__qualname__ != old.__qualname__:
+            continue
+        methods = (method for method in vars(new).values() if isinstance(method, FunctionType))
+        if hasattr(new, name) or any(name in method.__code__.co_names for method in methods):
+            return (
+                f"this {old.__name__} was created before the cell of the class was run again: run the "
+                f"cell that creates it, with {old.__name__}(…), again."
+            )
+    return ""
+
+
+def _replaced_function_hint(name: str, frame: FrameType, line: str) -> str:
+    """Return the hint for a call of a variable that has replaced the function of its name, or ""."""
+    value = frame.f_globals[name]
+    # IPython keeps the source of all cells.
+    cells = [cell for cell in frame.f_globals.get("In", ()) if isinstance(cell, str)]
+    source = "\n".join([*cells, *linecache.getlines(frame.f_code.co_filename)])
+    if callable(value) or not re.search(rf"(?m)^def {name}\(", source):
+        return ""
+    if not re.search(rf"(?<![.\w]){name}\(", line):
+        return ""
+    return (
+        f"{name} = … has replaced the function {name}, which is now {value!r:.30}: choose another name for "
+        f"the result, and run the cell with def {name} again."
+    )
 
 
 def _foreign_letter_hint(error: BaseException, text: str) -> str:
@@ -308,6 +348,14 @@ def _super_hint(error: BaseException, text: str) -> str:
     return "write `super().__init__('a_name')`, with nothing in super( )." if is_named else ""
 
 
+def _enum_hint(error: BaseException) -> str:
+    """Return the hint for a member that an enumeration of ROS does not have, or ""."""
+    kind = error.obj if isinstance(error, AttributeError) else None
+    if not isinstance(kind, EnumType) or near_names.nearest(error.name or "", kind.__members__):
+        return ""
+    return f"{kind.__name__.removesuffix('Type')} has {join_words(list(kind.__members__)[:_MOST_FRAMES])}."
+
+
 def _lifecycle_hint(error: BaseException, text: str) -> str:
     """Return the hint for a transition callback with a wrong signature or result, or ""."""
     callback = re.search(r"\.(on_(?:configure|activate|deactivate|cleanup|shutdown|error))\(\) takes 1", text)
@@ -407,7 +455,9 @@ def _frames_hint(error: BaseException, text: str) -> str:
             "the buffer is still empty. A listener fills it while its node is spun, so the first lookups "
             f"of a node fail. {catch}"
         )
-    if similar := near_names.nearest(missing[1], known):
+    # Two exchanged letters of a short name, as in mpa, make it less similar than other mistakes.
+    exchanged = (name for name in known if sorted(name) == sorted(missing[1]))
+    if similar := near_names.nearest(missing[1], known) or next(exchanged, ""):
         return f"did you mean {similar!r}? The buffer contains it."
     more = "" if len(known) <= _MOST_FRAMES else " and others"
     return f"the buffer contains {join_words(known[:_MOST_FRAMES])}{more}, but not {missing[1]}. {catch}"
@@ -571,6 +621,9 @@ def _shadowed_hint(error: BaseException, text: str) -> str:
                 f"{name} is a variable here, {name} = …, and hides Python's {name}(): choose "
                 f"another name for it. In a notebook, del {name} gives back Python's own."
             )
+        is_global = name in frame.f_globals and not hasattr(builtins, name)
+        if is_global and (found := _replaced_function_hint(name, frame, line_of_student(error))):
+            return found
         is_called = re.search(rf"(?<![.\w]){name}\(", line_of_student(error)) is not None
         value = frame.f_locals.get(name)
         is_value = value is not None and not callable(value)

@@ -243,7 +243,7 @@ def name_hint(error: NameError) -> str:
     importable = _importable(frame)
     if missing in ROS_1:
         return f"there is no {missing} in ROS 2: {ROS_1[missing]}."
-    if inner := _function_that_sets(missing, frame.f_code):
+    if inner := _function_that_sets(missing, frame):
         return f"{missing} is set in the function {inner}, and exists only there: return it from {inner}."
     # A launch file is a separate program, which cannot use the cells of a notebook.
     again = "." if is_launch_file(frame) else "; in a notebook run the first cells again."
@@ -259,6 +259,11 @@ def _line_hint(missing: str, line: str, frame: FrameType) -> str:
     """Return the hint for an undefined name whose spelling or line shows the mistake, or ""."""
     if found := syntax_hints.foreign_letter(missing):
         return f"{found}: type the name again."
+    for name, value in frame.f_globals.items():
+        if isinstance(value, ModuleType) and value.__name__ == missing:
+            return f"the module {missing} is imported as {name}: write {name} in place of {missing}."
+    if missing == "main":
+        return "main is not defined: write `def main()` with the lines to run, or call your own function."
     # The cells with checks are given, so the name is right unless it was edited.
     is_given = re.match(rf'\s*check\("[\w.]+", {missing}\)', line)
     if is_given and not nearest(missing, frame.f_globals, 0.9):
@@ -381,9 +386,16 @@ def _find_abbreviation(wanted: str, frame: FrameType) -> str:
     return near[0] if len(near) == 1 else ""
 
 
-def _function_that_sets(name: str, code: CodeType) -> str:
-    """Return the name of a nested function that has a local variable of this name, or ""."""
-    nested = (part for part in code.co_consts if isinstance(part, CodeType) and part.co_name.isidentifier())
+def _function_that_sets(name: str, frame: FrameType) -> str:
+    """Return the name of a function that has a local variable of this name, or "".
+
+    It is nested in the failing code, or defined by another cell.
+    """
+    code = frame.f_code
+    nested = [part for part in code.co_consts if isinstance(part, CodeType) and part.co_name.isidentifier()]
+    if code.co_name == "<module>":
+        values = [value for value in frame.f_globals.values() if isinstance(value, FunctionType)]
+        nested += [value.__code__ for value in values if is_own_file(value.__code__.co_filename)]
     return next((code.co_name for code in nested if name in code.co_varnames[code.co_argcount :]), "")
 
 

@@ -88,7 +88,8 @@ def print_error(error: BaseException) -> None:
     add_hint(error)
     trace = TracebackException.from_exception(error)
     _shorten(trace)
-    module = sys.modules.get(type(error).__module__)
+    # The whole package, because nothing may have imported rclpy._rclpy_pybind11 yet.
+    module = sys.modules.get(type(error).__module__.partition(".")[0])
     is_of_standin = str(getattr(module, "__file__", "")).startswith(os.path.join(KIT, "ros", "standin", ""))
     # An error of the kit or the stand-in, like a wrong argument of one of the kit's programs, needs
     # no traceback unless a line of the user's code has caused it.

@@ -364,7 +364,8 @@ def pair_hint(error: BaseException, text: str) -> str:
         return ""
     if keys := re.search(r"\bin ([\w.]+)\.keys\(\)", line):
         return f"keys() gives only the keys: write {keys[1]}.items()."
-    if loop := re.match(r"\s*for\s+(.+,.+)\s+in\s+([\w.]+\s*,\s*[\w.]+)\s*:", line):
+    two_lists = r"\bfor\s+([^\]:]+,[^\]:]+)\s+in\s+\(?\s*([\w.]+\s*,\s*[\w.]+)\s*\)?\s*[:\])]"
+    if loop := re.search(two_lists, line):
         return f"zip pairs the items of two lists: write for {loop[1]} in zip({loop[2]})."
     if re.search(r"\bfor \w+(, \w+)+ in enumerate\(", line):
         return (

@@ -10,7 +10,7 @@ transient-local publishers likewise.
 
 import heapq
 import threading
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
@@ -379,6 +379,8 @@ class ProgramNodes:
     # The number of timers and subscriptions, by full name, of nodes that were never added to an
     # executor.
     callbacks: dict[str, int] = field(default_factory=dict)
+    # Functions that find slips of the program when it has ended.
+    find_slips: list[Callable[[], Iterable[str]]] = field(default_factory=list)
     # The errors that stopped live nodes, by full name. Nodes of one run have the same error.
     errors: dict[str, str] = field(default_factory=dict)
 

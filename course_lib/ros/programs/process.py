@@ -71,16 +71,20 @@ class Process:
                 print_error(error)
                 self.exit_code = 1
         if not (self.exit_code or was_explained() or isinstance(self, NotebookProgram)):
-            self._report_unspun_nodes()
+            self._report_slips()
 
-    def _report_unspun_nodes(self) -> None:
-        """Print a hint if the program has created timers or subscriptions, but has not spun their nodes."""
+    def _report_slips(self) -> None:
+        """Print hints about nodes with timers or subscriptions that were not spun, and unused arguments."""
         counts = current_graph().state(ProgramNodes).callbacks
         if unspun := [name for name, count in counts.items() if count > 0]:
             sys.stderr.write(
                 f"{self.file.name} ended without a spin of {join_words(unspun)}.\nhint: timers and "
                 "subscriptions call their functions only while the node is spun, as by rclpy.spin(node).\n"
             )
+        # ROS ignores arguments without effect.
+        slips = (slip for find in current_graph().state(ProgramNodes).find_slips for slip in find())
+        for slip in dict.fromkeys(slips):
+            sys.stderr.write(f"hint: {self.file.name}: {slip}\n")
 
 
 class Function(Process):
@@ -117,6 +121,7 @@ class Program(Process):
             tree = compile_python(source, str(file), ast.PyCF_ONLY_AST)
             self._only_defines_main = _only_defines_main(tree)
             self._idle_hint = _idle_hint(tree)
+            self._slips = list(_find_slips(tree))
         except (OSError, ValueError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
             raise CourseError(f"{file} cannot be run: {reason}. Pass the path of a Python file.") from error
@@ -124,6 +129,12 @@ class Program(Process):
             hint = syntax_hint(error)
             text = f"{file}, line {error.lineno}: {error.msg}."
             raise CourseError(f"{text}\nhint: {hint}" if hint else text) from error
+
+    def run(self) -> None:
+        """Run the file, and print hints about its statements that do nothing."""
+        super().run()
+        for slip in () if self.exit_code else self._slips:
+            sys.stderr.write(f"hint: {self.file.name}, {slip}\n")
 
     @property
     def is_launch_file(self) -> bool:
@@ -161,6 +172,40 @@ def _only_defines_main(tree: ast.Module) -> bool:
         or (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant))
         for node in tree.body
     )
+
+
+# Functions and methods that are called for their effect.
+_EFFECTS = {
+    *("spin", "spin_once", "publish", "sendTransform", "init", "shutdown", "try_shutdown", "destroy_node"),
+    *("succeed", "abort", "canceled", "start", "join", "main", "reset", "cancel", "notify_all"),
+}
+
+_VALUES = {"publish": "message", "sendTransform": "transform", "spin_once": "timeout_sec=0.1"}
+
+
+def _find_slips(tree: ast.Module) -> Iterator[str]:
+    """Yield hints about statements that name a function without a call, and about targets of threads."""
+    for node in ast.walk(tree):
+        match node:
+            case ast.Expr(ast.Attribute(attr=name) | ast.Name(name)) if name in _EFFECTS:
+                text = ast.unparse(node.value)
+                value = "node" if text == "rclpy.spin" else _VALUES.get(name, "")
+                yield f"line {node.lineno} names {text} and does not call it. Write: {text}({value})"
+            case ast.Call(ast.Name("Thread") | ast.Attribute(attr="Thread"), keywords=keywords):
+                for keyword in keywords:
+                    call = keyword.value
+                    if keyword.arg != "target" or not isinstance(call, ast.Call):
+                        continue
+                    name = ast.unparse(call.func)
+                    if name.rpartition(".")[2] in _EFFECTS:
+                        values = "".join(f"{ast.unparse(value)}, " for value in call.args)
+                        arguments = f", args=({values.removesuffix(' ')})" if values else ""
+                        yield (
+                            f"line {call.lineno} calls {name} here, and not in the thread. "
+                            f"Write: Thread(target={name}{arguments})"
+                        )
+            case _:
+                pass
 
 
 def _idle_hint(tree: ast.Module) -> str:

@@ -87,6 +87,11 @@ def executor_with(nodes: Sequence["Node"]) -> Iterator["Executor"]:
 
     for node in nodes:
         if not isinstance(node, Node):
+            if isinstance(node, list | tuple | set):
+                raise CourseError(
+                    f"{node!r:.60} is a {type(node).__name__}. Pass the nodes one by one, like "
+                    "spin_for(2.0, talker, listener), or spin_for(2.0, *nodes)."
+                )
             point = " A decimal number has a point: 0.5." if isinstance(node, int) else ""
             raise CourseError(f"{node!r} is not a node. Pass an object of your class, like MyNode().{point}")
     executor = get_global_executor()

@@ -3,15 +3,18 @@ from typing import Any
 
 import pytest
 import rclpy
+from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.impl.arguments import parse
-from rclpy.impl.implementation_singleton import RCLInvalidROSArgsError, UnknownROSArgsError
+from rclpy.impl.implementation_singleton import RCLError, RCLInvalidROSArgsError, UnknownROSArgsError
 from rclpy.logging import LoggingSeverity
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from course_lib.ros.graph.graph import Graph
+from course_lib.ros.graph.graph import START_NS, Graph, use_graph
+from course_lib.ros.hints import hint
+from course_lib.ros.programs.program import run_files
 
 
 def begin(*args: str) -> None:
@@ -217,3 +220,109 @@ def test_log_level_is_set_for_all_loggers_or_for_one(graph: Graph) -> None:
     begin("--log-level", "warn", "--log-level", "talker:=debug")
     assert Node("talker").get_logger().get_effective_level() == LoggingSeverity.DEBUG
     assert Node("other").get_logger().get_effective_level() == LoggingSeverity.WARN
+
+
+@pytest.mark.parametrize(
+    ("text", "hint_start"),
+    [
+        ("camera:\n  rate: 5.0\n", "a parameter file has three levels"),
+        ("camera:\n  ros_parameters:\n    rate: 5.0\n", "a parameter file has three levels"),
+        ("ros__parameters:\n  rate: 5.0\n", "the first line is the name of the node"),
+        ("camera:\n  ros__parameters:\n  rate: 5.0\n", "line 2 has no value, or wrong indentation"),
+        ("camera:\n  ros__parameters:\n    rate:5.0\n", "line 3 has no value, or wrong indentation"),
+        ("camera:\n\tros__parameters:\n", "indent the file with spaces: YAML has no tabs"),
+        ("camera:\n  ros__parameters:\n    size: [1, 2.0]\n", "all values of a list are of one type"),
+        (None, "is the name of the file right?"),
+    ],
+)
+def test_wrong_parameter_file_has_a_hint(
+    text: str | None, hint_start: str, tmp_path: Path, graph: Graph
+) -> None:
+    file = tmp_path / "parameters.yaml"
+    if text is not None:
+        file.write_text(text)
+    with pytest.raises(RCLError) as error:
+        begin("--params-file", str(file))
+    assert hint(error.value).startswith(hint_start)
+
+
+@pytest.mark.parametrize(
+    ("words", "hint_start"),
+    [
+        (("-p", "rate=5.0"), "write -p name:=value"),
+        (("-r", "a=b"), "write -r from:=to"),
+    ],
+)
+def test_rule_without_its_colon_has_a_hint(words: tuple[str, ...], hint_start: str, graph: Graph) -> None:
+    with pytest.raises(RCLError) as error:
+        begin(*words)
+    assert hint(error.value).startswith(hint_start)
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        ("'5.0'", "write the number without quotes: 5.0."),
+        ("5,0", "a decimal number has a point: 5.0."),
+        ("5.0 Hz", "write the number without its unit: 5.0."),
+        ("5", "write the number with a point"),
+    ],
+)
+def test_value_of_another_type_has_a_hint(value: str, expected: str, graph: Graph) -> None:
+    begin("-p", f"rate:={value}")
+    with pytest.raises(InvalidParameterTypeException) as error:
+        Node("camera").declare_parameter("rate", 10.0)
+    assert hint(error.value).startswith(expected)
+
+
+PROGRAM = """
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+rclpy.init()
+node = Node("camera")
+node.declare_parameter("rate", 10.0)
+node.create_publisher(String, "chatter", 10)
+"""
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (
+            "--ros-args -r /chater:=/a",
+            "nothing is called /chater, so /chater:=/a has no effect. Did you mean /chatter?",
+        ),
+        ("--ros-args -p rat:=5.0", "no node declares the parameter rat. Did you mean rate?"),
+        (
+            "-p rate:=5.0",
+            "-p rate:=5.0 is not read: write --ros-args before it, as in --ros-args -p rate:=5.0.",
+        ),
+        (
+            "--ros-args --params-file other.yaml",
+            "the parameters are for /other, and the program's node is /camera",
+        ),
+        ("--params-file other.yaml", "--params-file other.yaml is not read: write --ros-args before it"),
+        ("--ros-args -r chatter:=b -p rate:=5.0", ""),
+        ("--ros-args -r /scan:=/front/scan -p use_sim_time:=false -p gain:=1.0", ""),
+        ("--ros-args --params-file both.yaml", ""),
+        ("-p 5 --name:=x", ""),
+    ],
+)
+def test_argument_without_effect_has_a_hint_at_the_end(
+    words: str,
+    expected: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("other.yaml").write_text("other:\n  ros__parameters:\n    rate: 5.0\n")
+    Path("both.yaml").write_text(
+        "other:\n  ros__parameters:\n    rate: 1.0\ncamera:\n  ros__parameters:\n    rate: 5.0\n"
+    )
+    Path("program.py").write_text(PROGRAM)
+    with use_graph(Graph(end_ns=START_NS + 10**9)):
+        assert run_files([Path("program.py")], seed=1, args=words.split()) == 0
+    printed = capfd.readouterr().err
+    assert (f"hint: program.py: {expected}" in printed) if expected else "hint:" not in printed

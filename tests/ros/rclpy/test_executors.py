@@ -395,10 +395,35 @@ def test_end_of_a_finite_wait_has_no_hint(
 
 
 @pytest.mark.parametrize(
+    ("lines", "hint"),
+    [
+        ("rclpy.spin", "line 8 names rclpy.spin and does not call it. Write: rclpy.spin(node)"),
+        (
+            "node.destroy_node",
+            "line 8 names node.destroy_node and does not call it. Write: node.destroy_node()",
+        ),
+        (
+            "import threading\nthreading.Thread(target=rclpy.spin(node)).start()",
+            "line 9 calls rclpy.spin here, and not in the thread. "
+            "Write: Thread(target=rclpy.spin, args=(node,))",
+        ),
+        ("import threading\nthreading.Thread(target=node.destroy_node).start()", ""),
+        ("node.destroy_node()", ""),
+    ],
+)
+def test_statement_without_its_call_has_a_hint(
+    lines: str, hint: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "program.py").write_text(ALONE + lines)
+    with use_graph(Graph(end_ns=START_NS + 5 * 10**9)):
+        assert run_files([tmp_path / "program.py"], seed=1) == 0
+    assert capfd.readouterr().err == (f"hint: program.py, {hint}\n" if hint else "")
+
+
+@pytest.mark.parametrize(
     ("lines", "names"),
     [
         ("node.create_timer(1.0, print)", "/n"),
-        ("node.create_timer(1.0, print)\nrclpy.spin", "/n"),
         (
             "node.create_subscription(Trigger.Event, 't', print, 1)\nnode.destroy_node()\nrclpy.shutdown()",
             "/n",

@@ -15,6 +15,7 @@ from std_msgs.msg import String
 
 from course_lib.recording import record
 from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.hints import hint
 from course_lib.ros.messages import deserialize
 from course_lib.ros.programs.program import run_files
 
@@ -291,3 +292,35 @@ def test_talker_of_the_demo_is_silent_until_a_client_activates_it(tmp_path: Path
     events = [one for one in recording.samples if one.topic == "/lc_talker/transition_event"]
     assert messages[:2] == ["Lifecycle HelloWorld #3", "Lifecycle HelloWorld #4"]
     assert len(events) == 4
+
+
+class Camera(LifecycleNode):
+    """Publishes without a call of `super().on_activate`."""
+
+    def on_configure(self, state: State) -> TransitionCallbackReturn:
+        self.images = self.create_lifecycle_publisher(String, "/images", 10)
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_activate(self, state: State) -> TransitionCallbackReturn:
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_deactivated(self, state: State) -> TransitionCallbackReturn:
+        return TransitionCallbackReturn.OK  # type: ignore[attr-defined]
+
+
+def test_active_node_with_a_disabled_publisher_has_a_hint(
+    started_graph: Graph, capsys: pytest.CaptureFixture[str]
+) -> None:
+    camera = Camera("camera")
+    name_hint = "hint: no transition calls on_deactivated: did you mean on_deactivate?\n"
+    assert capsys.readouterr().out == name_hint
+    camera.trigger_configure()
+    assert not capsys.readouterr().out
+    camera.trigger_activate()
+    assert capsys.readouterr().out == (
+        "hint: the node is active, and /images drops all messages: end on_activate with return "
+        "super().on_activate(state).\n"
+    )
+    with pytest.raises(AttributeError) as error:
+        camera.on_deactivated(State(0, ""))
+    assert hint(error.value) == "TransitionCallbackReturn has SUCCESS, FAILURE and ERROR."

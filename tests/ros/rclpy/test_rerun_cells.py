@@ -1,5 +1,6 @@
 """Mistakes that are forgiven in a notebook, where cells are run again."""
 
+import linecache
 import signal
 import threading
 
@@ -10,6 +11,7 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from course_lib.ros.graph.graph import START_NS, Graph
+from course_lib.ros.hints import hint
 from course_lib.ros.time.time_lock import time_lock
 from tests.patience import PATIENCE
 
@@ -112,3 +114,80 @@ def test_thread_spinning_in_a_kernel_runs_while_a_cell_waits(notebook: Graph) ->
         time_lock.sleep_until(notebook.now_ns + 10**7, "the end of the thread")
     thread.join(PATIENCE)
     assert not thread.is_alive()
+
+
+def hint_of(*cells: str) -> str:
+    """Run cells in one namespace. Return the hint for the error of the last one."""
+    names: dict[str, object] = {"__name__": "__main__", "In": list(cells)}
+    exec("import rclpy\nfrom rclpy.node import Node\nfrom std_msgs.msg import String", names)
+    for index, cell in enumerate(cells):
+        name = f"cell {index}"
+        linecache.cache[name] = (len(cell), None, cell.splitlines(True), name)
+        try:
+            exec(compile(cell, name, "exec"), names)
+        except Exception as error:
+            assert index == len(cells) - 1
+            return hint(error)
+    return ""
+
+
+TALKER = """class Talker(Node):
+    def __init__(self):
+        super().__init__("talker")
+        self.publisher = self.create_publisher(String, "chatter", 10)
+"""
+INIT = "rclpy.init()"
+
+
+@pytest.mark.parametrize(
+    ("cells", "expected"),
+    [
+        (
+            (INIT, TALKER, "talker = Talker()", f"{TALKER}        self.count = 0\n", "talker.count"),
+            "this Talker was created before the cell of the class was run again: run the cell that "
+            "creates it, with Talker(…), again.",
+        ),
+        (
+            (INIT, TALKER, "talker = Talker()", f"{TALKER}    def stop(self): ...\n", "talker.stop()"),
+            "this Talker was created before the cell of the class was run again",
+        ),
+        (
+            (INIT, TALKER, "talker = Talker()", TALKER, "talker.count"),
+            "set `self.count` in Talker.__init__, spelled the same.",
+        ),
+        (
+            ("def width(a):\n    return a\n", "width = width(2)", "width = width(2)"),
+            "width = … has replaced the function width, which is now 2: choose another name for the "
+            "result, and run the cell with def width again.",
+        ),
+        (
+            (INIT, TALKER, "talker = Talker()", "rclpy.shutdown()", "rclpy.spin_once(talker)"),
+            "rclpy.shutdown() was called before, maybe in another cell: call `rclpy.init()`, and then",
+        ),
+        (
+            (INIT, TALKER, "talker = Talker()", "rclpy.shutdown()", "talker.publisher.publish(String())"),
+            "rclpy.shutdown() was called since this node was created",
+        ),
+        (("main()",), "main is not defined: write `def main()` with the lines to run"),
+        (
+            ("def main():\n    node = 3\n", "main()", "node"),
+            "node is set in the function main, and exists only there: return it from main.",
+        ),
+        (("import time as wall", "time.time()"), "the module time is imported as wall: write wall"),
+        (
+            ("a, b = [1, 2, 3], [4, 5, 6]", "[x + y for x, y in (a, b)]"),
+            "zip pairs the items of two lists: write for x, y in zip(a, b).",
+        ),
+    ],
+)
+def test_hint_follows_the_order_of_the_cells(cells: tuple[str, ...], expected: str, notebook: Graph) -> None:
+    assert hint_of(*cells).startswith(expected)
+
+
+def test_spin_of_a_node_that_has_left_has_a_hint(notebook: Graph, capsys: Captured) -> None:
+    rclpy.init()
+    old = Node("talker")
+    Node("talker")
+    capsys.readouterr()
+    rclpy.spin_once(old, timeout_sec=0.1)
+    assert capsys.readouterr().out.startswith("hint: /talker is spun and does nothing: it was destroyed")

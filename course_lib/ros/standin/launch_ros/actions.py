@@ -26,6 +26,7 @@ from launch.entities import SomeSubstitutionsType as Some
 from launch.events import ProcessExited
 from lifecycle_msgs.msg import Transition, TransitionEvent
 
+from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import ProgramNodes, current_graph
 from course_lib.ros.graph.topics import SERVICE_HEADER, Qos, service_topics
 from course_lib.ros.messages import deserialize, serialize
@@ -264,6 +265,11 @@ class Node(Action):
         ros_words = [text_of(context, word) for word in self._ros_arguments]
         arguments = [*arguments, "--ros-args", *ros_words, *common.words(context)]
         if self._package is None:
+            if not Path(executable).is_file() and not executable.endswith(".py"):
+                raise CourseError(
+                    f"Node(executable={executable!r}) has no package, so {executable!r} would be the path of "
+                    "a Python file. Add the package: Node(package='…', executable='…')."
+                )
             context.runner.start_file(self, Path(executable), arguments)
             return None
         try:

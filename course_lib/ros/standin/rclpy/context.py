@@ -10,7 +10,7 @@ from inspect import ismethod
 from typing import Any
 from weakref import WeakMethod
 
-from course_lib.ros.graph.graph import current_graph
+from course_lib.ros.graph.graph import ProgramNodes, current_graph
 from course_lib.ros.time.time_lock import time_lock
 from rclpy.impl.arguments import INVALID_ARGUMENTS, Arguments, parse
 from rclpy.impl.implementation_singleton import RCLError, RCLInvalidROSArgsError
@@ -55,6 +55,7 @@ class Context(AbstractContextManager["Context"]):
             raise TypeError("__init__(): incompatible constructor arguments.")
         try:
             self.arguments = parse(sys.argv if args is None else args)
+            current_graph().state(ProgramNodes).find_slips.append(self.arguments.find_unused)
         except RCLInvalidROSArgsError as error:
             raise RCLError(f"{NOT_INITIALIZED}{str(error).removeprefix(INVALID_ARGUMENTS)}") from None
         self.__domain_id = None if domain_id is None else int(domain_id)

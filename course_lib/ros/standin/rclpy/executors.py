@@ -20,7 +20,7 @@ from course_lib.ros.time import pace
 from course_lib.ros.time.interrupts import until_interrupted, watch
 from course_lib.ros.time.time_lock import AtEnd, ShutDown, never, time_lock
 from course_lib.ros.tracebacks import describe_interruption, explain_interrupts, line_of_traceback
-from rclpy.context import Context, get_default_context
+from rclpy.context import Context, Contexts, get_default_context
 from rclpy.exceptions import NotInitializedException
 from rclpy.impl import private_names
 from rclpy.impl.implementation_singleton import INVALID_CONTEXT, RCLError
@@ -141,7 +141,9 @@ class Executor(AbstractContextManager["Executor"]):
         # The executor stops when this context is shut down.
         self._context = get_default_context() if context is None else context
         if not self.context.is_initialized:
-            raise NotInitializedException("cannot create executor")
+            error = NotInitializedException("cannot create executor")
+            was_shut_down = current_graph().state(Contexts).initialized
+            raise marked(error, Mistake.SHUT_DOWN) if was_shut_down else error
         if not self.context.is_valid:
             raise RCLError(f"failed to create guard_condition: {INVALID_CONTEXT}")
         # A dict keeps the order in which the nodes were added.
@@ -194,6 +196,11 @@ class Executor(AbstractContextManager["Executor"]):
         if not hasattr(node, "handle"):
             raise AttributeError(f"'{type(node).__name__}' object has no attribute 'executor'")
         self.__require_guard()
+        if node.handle.has_left:
+            say(
+                f"hint: {node.handle.full_name} is spun and does nothing: it was destroyed, replaced by a "
+                "newer node of its name, or created before rclpy.shutdown(). Create it again."
+            )
         self._nodes[node] = node.handle
         self.__name_nodes()
         node.handle.graph.show_node(node.handle.id)

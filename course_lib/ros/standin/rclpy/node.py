@@ -778,7 +778,9 @@ class Node:
         self, namespace: str, parameters: Sequence[tuple[Any, ...]], ignore_override: bool = False
     ) -> list[Parameter]:
         """Declare parameters in a namespace: (name), (name, value) or (name, value, descriptor)."""
-        return self.__parameter_store.declare(namespace, parameters, ignore_override=ignore_override)
+        declared = self.__parameter_store.declare(namespace, parameters, ignore_override=ignore_override)
+        self.handle.arguments.asked.parameters.update(parameter.name for parameter in declared)
+        return declared
 
     def undeclare_parameter(self, name: str) -> None:
         """Remove a parameter. Raise an error if it is not declared or is read-only."""

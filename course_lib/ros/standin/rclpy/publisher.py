@@ -1,6 +1,7 @@
 """Publishers."""
 
 from course_lib.ros.messages import serialize
+from course_lib.ros.mistakes import Mistake, marked
 from course_lib.ros.time.time_lock import time_lock
 from rclpy.duration import Duration
 from rclpy.impl.endpoint import MsgT, TopicEnd
@@ -20,7 +21,9 @@ class Publisher(TopicEnd[MsgT]):
         if type(msg) is not self.msg_type and not isinstance(msg, (self.msg_type, bytes)):
             raise TypeError(f"Expected {self.msg_type}, got {type(msg)}")
         if not handle.node.context.is_valid:
-            raise RCLError("Failed to publish: publisher's context is invalid")
+            error = RCLError("Failed to publish: publisher's context is invalid")
+            # In a notebook a cell with rclpy.shutdown() is more likely than Ctrl+C.
+            raise marked(error, Mistake.SHUT_DOWN) if handle.node.graph.notebook else error
         # Without this call, a thread that publishes in a tight loop would stop robot time.
         time_lock.poll()
         handle.node.graph.publish(handle.id, msg if isinstance(msg, bytes) else serialize(msg))

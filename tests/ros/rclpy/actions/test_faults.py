@@ -25,7 +25,9 @@ def test_invalid_return_value_of_a_goal_callback_rejects_the_goal_with_a_warning
     ActionServer(server_node, Fibonacci, "fibonacci", count, goal_callback=lambda goal: None)
     assert not send(client, until_done).accepted
     warning = "Goal request callback did not return a GoalResponse type. Rejecting goal."
-    assert f"[server.action_server]: {warning}" in capfd.readouterr().err
+    printed = capfd.readouterr()
+    assert f"[server.action_server]: {warning}" in printed.err
+    assert printed.out == "hint: end the goal callback with return GoalResponse.ACCEPT, or REJECT.\n"
 
 
 def test_execute_callback_without_a_final_state_aborts_the_goal_with_the_warning_of_ros(
@@ -33,8 +35,10 @@ def test_execute_callback_without_a_final_state_aborts_the_goal_with_the_warning
 ) -> None:
     ActionServer(server_node, Fibonacci, "fibonacci", lambda goal: Fibonacci.Result())
     assert until_done(send(client, until_done).get_result_async()).status == GoalStatus.STATUS_ABORTED
-    assert (
-        "[server.action_server]: Goal state not set, assuming aborted. Goal ID: [" in capfd.readouterr().err
+    printed = capfd.readouterr()
+    assert "[server.action_server]: Goal state not set, assuming aborted. Goal ID: [" in printed.err
+    assert printed.out == (
+        "hint: call goal_handle.succeed(), with ( ), before the callback returns the result.\n"
     )
 
 
@@ -47,7 +51,9 @@ def test_exception_in_a_callback_aborts_the_goal_and_is_logged(
     ActionServer(server_node, Fibonacci, "fibonacci", fail)
     answer = until_done(send(client, until_done).get_result_async())
     assert (answer.status, list(answer.result.sequence)) == (GoalStatus.STATUS_ABORTED, [])
-    errors = capfd.readouterr().err
+    printed = capfd.readouterr()
+    errors = printed.err
+    assert "hint:" not in printed.out
     assert "Error raised in execute callback: no way" in errors
     assert "ValueError: no way" in errors
     # The traceback shows the callback, without lines of the kit.

@@ -169,11 +169,23 @@ def _is_valid_value(value: object, kind: type | None) -> bool:
     return isinstance(value, kind) and not (kind is int and isinstance(value, bool))
 
 
+# Names in Python's launch files, with those of the files in words.
+NAMES_IN_PYTHON = {
+    "package": "pkg",
+    "executable": "exec",
+    "arguments": "args",
+    "parameters": "param",
+    "remappings": "remap",
+}
+
+
 def _unexpected_message(kind: str, name: str, known_names: Sequence[str]) -> str:
     if name == "ns":
         return f"unexpected {kind} 'ns'. In ROS 2 write <push-ros-namespace namespace=\"…\"/> in a group"
     if name == "doc" and "description" in known_names:
         return f"unexpected {kind} 'doc'. This is a file of ROS 1: in ROS 2 it is description"
+    if NAMES_IN_PYTHON.get(name) in known_names:
+        return f"unexpected {kind} {name!r}. Here it is {NAMES_IN_PYTHON[name]}, and not {name} as in Python"
     there = f" It has: {', '.join(sorted(known_names))}." if known_names else ""
     return f"unexpected {kind} '{name}'{did_you_mean(name, known_names) or '.'}{there}"
 

@@ -24,7 +24,7 @@ from launch.entities import (
     LaunchDescription,
     Substitution,
 )
-from launch.frontend.entity import Entity, EntityError, read_entity
+from launch.frontend.entity import NAMES_IN_PYTHON, Entity, EntityError, read_entity
 from launch.substitutions import TextSubstitution
 
 Parts = list[Substitution]
@@ -261,6 +261,9 @@ def build_element(entity: Entity, element: Element) -> Any:
             elif attribute.needed:
                 is_of_ros_1 = attribute.name == "exec" and entity.get("type") is not None
                 more = ". This is a file of ROS 1: in ROS 2 the executable is exec, not type" * is_of_ros_1
+                for in_python, name in NAMES_IN_PYTHON.items():
+                    if name == attribute.name and entity.get(in_python) is not None:
+                        more = f". Here it is {name}, and not {in_python} as in Python"
                 raise entity.error(f"it needs '{attribute.name}'{more}")
         if element.conditional and (condition := _condition(entity)) is not None:
             arguments["condition"] = condition

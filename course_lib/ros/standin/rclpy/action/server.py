@@ -11,6 +11,7 @@ from action_msgs.srv import CancelGoal
 from unique_identifier_msgs.msg import UUID
 
 from course_lib.ros.mistakes import Mistake, marked
+from course_lib.ros.notices import say
 from rclpy.callback_groups import CallbackGroup
 from rclpy.duration import S_TO_NS
 from rclpy.impl.endpoint import require_type
@@ -218,6 +219,7 @@ class ActionServer:
         self._logger = node.get_logger().get_child("action_server")
         self.__timeout_ns = round(result_timeout * S_TO_NS)
         self._goal_handles: dict[bytes, ServerGoalHandle] = {}
+        self.__hints = set[str]()
         self._result_futures: dict[bytes, Future[Any]] = {}
         # Times at which goals reached a final state [ns].
         self.__ends_ns: dict[bytes, int] = {}
@@ -323,6 +325,7 @@ class ActionServer:
                 self._logger.warning(
                     "Goal request callback did not return a GoalResponse type. Rejecting goal."
                 )
+                self.__hint("end the goal callback with return GoalResponse.ACCEPT, or REJECT.")
             answer.accepted = goal_response is GoalResponse.ACCEPT
         if answer.accepted:
             info.stamp = answer.stamp = self._node.get_clock().now().to_msg()
@@ -338,20 +341,30 @@ class ActionServer:
         callback: Callable[[ServerGoalHandle], Any],
         goal: ServerGoalHandle,
     ) -> None:
+        has_failed = False
         try:
             result = await await_or_execute(callback, goal)
         # As in rclpy, the client receives an empty result.
         except Exception as error:
-            result = self.action_type.Result()
+            result, has_failed = self.action_type.Result(), True
             from course_lib.ros.tracebacks import print_error
 
             self._logger.error(f"Error raised in execute callback: {error}")
             print_error(error)
         if goal.is_active:
             self._logger.warning(f"Goal state not set, assuming aborted. Goal ID: {goal.goal_id.uuid}")
+            # After an exception, the goal has rightly failed.
+            if not has_failed:
+                self.__hint("call goal_handle.succeed(), with ( ), before the callback returns the result.")
             goal.abort()
         response = self.action_type.Impl.GetResultService.Response(status=goal.status, result=result)
         self._result_futures[bytes(goal.goal_id.uuid)].set_result(response)
+
+    def __hint(self, text: str) -> None:
+        """Print a hint once for each server."""
+        if text not in self.__hints:
+            self.__hints.add(text)
+            say(f"hint: {text}")
 
     async def __cancel_goals(self, request: CancelGoal.Request, respond: Respond) -> None:
         response = CancelGoal.Response()

@@ -5,6 +5,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from course_lib.errors import join_words
+from course_lib.ros.near_names import nearest
 from rclpy.exceptions import NameValidationException
 from rclpy.impl import names
 from rclpy.impl.implementation_singleton import RCLInvalidROSArgsError, UnknownROSArgsError
@@ -16,6 +18,8 @@ _RULE = re.compile(
     re.DOTALL,
 )
 INVALID_ARGUMENTS = "Failed to parse ROS arguments: "
+# Topics and services that every node has.
+_OF_EACH_NODE = ("/rosout", "/parameter_events")
 _SCHEMES: dict[str, names.Kind] = {"rostopic": "topic", "rosservice": "service"}
 _FLAGS = {"-p": "--param", "-r": "--remap"}
 # rcl's term for the value of each flag, and its message if the value is missing.
@@ -40,6 +44,16 @@ class Remap:
 
 
 @dataclass
+class Asked:
+    """The full names of topics and services, nodes and parameters of a program, and the applied rules."""
+
+    topics: set[str] = field(default_factory=set)
+    nodes: set[str] = field(default_factory=set)
+    parameters: set[str] = field(default_factory=set)
+    applied: set[str] = field(default_factory=set)
+
+
+@dataclass
 class Arguments:
     """The ROS arguments of one command line."""
 
@@ -51,6 +65,10 @@ class Arguments:
     log_levels: dict[str, LoggingSeverity] = field(default_factory=dict)
     # Warnings that rcl logs about the command line.
     warnings: list[str] = field(default_factory=list)
+    # Hints about arguments that ROS does not read.
+    ignored: list[str] = field(default_factory=list)
+    # What the nodes of the program asked for, and the rules that applied: for `find_unused`.
+    asked: Asked = field(default_factory=Asked)
 
     def remap_node(self, node_name: str, kind: str, name: str) -> str:
         """Apply the remapping rules to a node name (`kind` is __node) or namespace (__ns)."""
@@ -58,15 +76,45 @@ class Arguments:
 
     def remap(self, full: str, node_name: str, namespace: str, kind: names.Kind) -> str:
         """Apply the remapping rules to a fully qualified topic or service name."""
+        self.asked.topics.add(full)
         for rule in self._of(node_name):
             if not rule.match.startswith("__") and rule.kind in (None, kind):
                 match, to = (names.expand_name(n, node_name, namespace, kind) for n in (rule.match, rule.to))
                 if match == full:
+                    self.asked.applied.add(rule.match)
                     return to
         return full
 
+    def find_unused(self) -> Iterator[str]:
+        """Yield hints about rules without effect, which ROS ignores silently.
+
+        Rules and files are often shared by several nodes. A hint needs a similar name, or a rule
+        that the command line has for this program.
+        """
+        yield from self.ignored
+        topics, nodes, declared = self.asked.topics, self.asked.nodes, self.asked.parameters
+        for rule in self.remaps:
+            if not rule.match.startswith("__") and rule.match not in self.asked.applied:
+                known = [topic for topic in topics if not topic.startswith(_OF_EACH_NODE)]
+                if near := nearest(rule.match if rule.match.startswith("/") else f"/{rule.match}", known):
+                    yield f"nothing is called {rule.match}, so {rule.match}:={rule.to} has no effect. " + (
+                        f"Did you mean {near}?"
+                    )
+        patterns = [pattern for pattern, _ in self.overrides]
+        if nodes and patterns and not self.asked.applied.intersection(patterns):
+            yield (
+                f"the parameters are for {join_words(sorted(set(patterns)))}, and the program's node is "
+                f"{join_words(sorted(nodes))}: in the file, the name of the node comes first."
+            )
+        for pattern, values in self.overrides:
+            for name in values if pattern in self.asked.applied else ():
+                near = "" if name in declared else nearest(name, declared - values.keys())
+                if near:
+                    yield f"no node declares the parameter {name}. Did you mean {near}?"
+
     def parameters(self, full_node_name: str) -> dict[str, Parameter]:
         """Return the parameter overrides of one node, by parameter name."""
+        self.asked.nodes.add(full_node_name)
         parameters: dict[str, Parameter] = {}
         for nodes, values in self.overrides:
             # `*` matches one token of a full name, `**` any number of tokens.
@@ -74,6 +122,7 @@ class Arguments:
             wild = {"/**": r"(/\w+)*", "/*": r"(/\w+)"}
             pattern = "".join(wild.get(part, re.escape(part)) for part in parts)
             if re.fullmatch(pattern, full_node_name):
+                self.asked.applied.add(nodes)
                 # In rcl an empty list has no type, so it is not a value.
                 parameters |= {n: Parameter(n, value=None if v == [] else v) for n, v in values.items()}
         return parameters
@@ -91,8 +140,16 @@ def parse(args: Sequence[str]) -> Arguments:
     """
     parsed, unknown = Arguments(), list[str]()
     words = _split(args)
+    before = ""
     for word, is_for_ros in words:
         if not is_for_ros:
+            is_rule = before in _FLAGS and ":=" in word
+            if is_rule or (before == "--params-file" and word.endswith((".yaml", ".yml"))):
+                parsed.ignored.append(
+                    f"{before} {word} is not read: write --ros-args before it, as in "
+                    f"--ros-args {before} {word}."
+                )
+            before = word
             remap = _ros_1_remap(word)
             if remap is not None:
                 parsed.remaps.append(remap)
@@ -122,7 +179,8 @@ def parse(args: Sequence[str]) -> Arguments:
 def merge_arguments(first: Arguments, second: Arguments) -> Arguments:
     """Merge two sets of arguments. The first one takes precedence."""
     levels = second.log_levels | first.log_levels
-    return Arguments(first.remaps + second.remaps, second.overrides + first.overrides, levels)
+    remaps, overrides = first.remaps + second.remaps, second.overrides + first.overrides
+    return Arguments(remaps, overrides, levels, asked=second.asked)
 
 
 def strip_ros_arguments(args: Sequence[str]) -> list[str]:

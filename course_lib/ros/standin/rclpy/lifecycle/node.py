@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any, Concatenate, NamedTuple, ParamSpec, TypeV
 from lifecycle_msgs import srv
 from lifecycle_msgs.msg import State, Transition, TransitionDescription, TransitionEvent
 
+from course_lib.errors import join_words
 from course_lib.ros.hints import hint
+from course_lib.ros.near_names import nearest
 from course_lib.ros.notices import say
 from course_lib.ros.tracebacks import line_of_traceback
 from rclpy.callback_groups import CallbackGroup
@@ -355,6 +357,10 @@ class LifecycleNodeMixin(ManagedEntity):
         callback_group: CallbackGroup | None = None,
     ) -> None:
         self.__callbacks = {number: getattr(self, name) for number, name in _CALLBACKS.items()}
+        for name in [name for name in vars(type(self)) if name.startswith("on_")]:
+            meant = nearest(name, set(_CALLBACKS.values()) - vars(type(self)).keys(), 0.85)
+            if meant and name not in _CALLBACKS.values():
+                say(f"hint: no transition calls {name}: did you mean {meant}?")
         # A dict keeps the order in which the entities were added.
         self.__managed_entities: dict[ManagedEntity, None] = {}
         node = cast("Node", self)
@@ -468,9 +474,21 @@ class LifecycleNodeMixin(ManagedEntity):
         machine.go(transition_id)
         result = self.__execute_callback(before)
         machine.go(result.to_label())
+        if machine.label == "active":
+            self.__report_disabled_publishers()
         if result is TransitionCallbackReturn.ERROR:
             machine.go(self.__execute_callback(before).to_label())
         return result
+
+    def __report_disabled_publishers(self) -> None:
+        """Print a hint about publishers that drop messages although the node is active."""
+        publishers = [one for one in self.__managed_entities if isinstance(one, LifecyclePublisher)]
+        topics = [one.topic_name for one in publishers if not one.is_activated]
+        if topics:
+            say(
+                f"hint: the node is active, and {join_words(topics)} drops all messages: end "
+                "on_activate with return super().on_activate(state)."
+            )
 
     def __execute_callback(self, before: LifecycleState) -> TransitionCallbackReturn:
         """Call the callback of the current transition state."""
