@@ -186,7 +186,7 @@ def _outdated_hint(error: BaseException) -> str:
 
     The missing attribute is in the new class, so that the student's code is right.
     """
-    if not isinstance(error, AttributeError) or not near_names.is_student_class(type(error.obj)):
+    if not isinstance(error, AttributeError) or not is_student_class(type(error.obj)):
         return ""
     old, name = type(error.obj), error.name or ""
     for frame, _ in walk_tb(error.__traceback__):

@@ -395,7 +395,7 @@ def _function_that_sets(name: str, frame: FrameType) -> str:
     nested = [part for part in code.co_consts if isinstance(part, CodeType) and part.co_name.isidentifier()]
     if code.co_name == "<module>":
         values = [value for value in frame.f_globals.values() if isinstance(value, FunctionType)]
-        nested += [value.__code__ for value in values if is_own_file(value.__code__.co_filename)]
+        nested += [value.__code__ for value in values if is_student_file(value.__code__.co_filename)]
     return next((code.co_name for code in nested if name in code.co_varnames[code.co_argcount :]), "")
 
 
