@@ -350,8 +350,10 @@ def _super_hint(error: BaseException, text: str) -> str:
 
 def _enum_hint(error: BaseException) -> str:
     """Return the hint for a member that an enumeration of ROS does not have, or ""."""
-    kind = error.obj if isinstance(error, AttributeError) else None
-    if not isinstance(kind, EnumType) or near_names.nearest(error.name or "", kind.__members__):
+    if not isinstance(error, AttributeError) or not isinstance(error.obj, EnumType):
+        return ""
+    kind = error.obj
+    if near_names.nearest(error.name or "", kind.__members__):
         return ""
     return f"{kind.__name__.removesuffix('Type')} has {join_words(list(kind.__members__)[:_MOST_FRAMES])}."
 

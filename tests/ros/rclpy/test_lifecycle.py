@@ -305,7 +305,7 @@ class Camera(LifecycleNode):
         return TransitionCallbackReturn.SUCCESS
 
     def on_deactivated(self, state: State) -> TransitionCallbackReturn:
-        return TransitionCallbackReturn.OK  # type: ignore[attr-defined]
+        return TransitionCallbackReturn.OK  # type: ignore[attr-defined,no-any-return]
 
 
 def test_active_node_with_a_disabled_publisher_has_a_hint(
@@ -322,5 +322,5 @@ def test_active_node_with_a_disabled_publisher_has_a_hint(
         "super().on_activate(state).\n"
     )
     with pytest.raises(AttributeError) as error:
-        camera.on_deactivated(State(0, ""))
+        camera.on_deactivated(State("", 0))
     assert hint(error.value) == "TransitionCallbackReturn has SUCCESS, FAILURE and ERROR."
