@@ -77,8 +77,8 @@ class ReferenceDisplay(Display):
         name = self["Reference Frame"]
         reference = self.context.frames.fixed_frame if name == FIXED_FRAME else name
         transform = self.context.frames.transform(reference)
-        level, text = self.transform_status(reference, transform is not None)
-        self.statuses.set(level, "Transform", text)
+        level, status = self.transform_status(reference, transform is not None)
+        self.statuses.set(level, "Transform", status)
         if transform is not self._placed_with or not self._is_drawn:
             self._draw(transform)
 

@@ -5,7 +5,7 @@ import sys
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.graph.graph import EndpointInfo
@@ -47,8 +47,11 @@ from course_lib.tools.verb import (
     value,
 )
 
-# Time limit for a service call if ■ cannot be pressed [s].
-CALL_LIMIT = 10.0
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+# Time limit for a service's response if ■ cannot be pressed [s].
+ANSWER_LIMIT = 10.0
 
 
 def _print_service_info(source: Source, arguments: Namespace, write: Write) -> None:
@@ -66,7 +69,7 @@ def _call_service(source: Source, arguments: Namespace, write: Write) -> None:
     kind = kind_of(service_class, arguments.service_type, "srv")
     request = kind.Request()
     fill(request, sys.stdin.read() if arguments.stdin else arguments.values)
-    name, limit, services = arguments.service_name, source.limit(CALL_LIMIT), _services(source, True)
+    name, limit, services = arguments.service_name, source.limit(ANSWER_LIMIT), _services(source, True)
     check_type(name, type_name(kind.Request).removesuffix("_Request"), services)
     with until_interrupted(), own_node(source) as node:
         client = node.create_client(kind, name)
@@ -76,9 +79,7 @@ def _call_service(source: Source, arguments: Namespace, write: Write) -> None:
             if not source.wait(lambda: node.context.ok() and client._course_is_ready(), limit):
                 raise CourseError(f"No node serves the service '{name}'{did_you_mean(name, services) or '.'}")
 
-        def has_server() -> bool:
-            return not node.context.ok() or client._course_is_ready()
-
+        has_server = partial(_has_server, node, client)
         while not source.graph.ended:
             write(f"requester: making request: {request!r}\n\n")
             begun_ns = source.graph.now_ns
@@ -88,6 +89,11 @@ def _call_service(source: Source, arguments: Namespace, write: Write) -> None:
                 return
             next_ns = begun_ns + round(1e9 / arguments.rate)
             source.wait(lambda: False, max(0, next_ns - source.graph.now_ns) * 1e-9)
+
+
+def _has_server(node: "Node", client: Any) -> bool:
+    """Return whether a service or action client has a server; also true after a shutdown of its context."""
+    return not node.context.ok() or client._course_is_ready()
 
 
 def _services(source: Source, with_hidden: bool) -> dict[str, list[str]]:
@@ -124,6 +130,8 @@ SERVICE_VERBS = (
 
 # Time limit for a goal if ■ cannot be pressed [s].
 GOAL_LIMIT = 60.0
+# Suffix of the topic on which an action server publishes feedback.
+FEEDBACK = "/_action/feedback"
 
 
 def _print_action_info(source: Source, arguments: Namespace, write: Write) -> None:
@@ -132,7 +140,7 @@ def _print_action_info(source: Source, arguments: Namespace, write: Write) -> No
     nodes = {node.id: node.full_name for node in source.graph.nodes()}
     sides: tuple[tuple[str, Literal["pub", "sub"]], ...] = (("clients", "sub"), ("servers", "pub"))
     for title, kind in sides:
-        endpoints = source.endpoints(f"{name}/_action/feedback", kind)
+        endpoints = source.endpoints(f"{name}{FEEDBACK}", kind)
         write(f"Action {title}: {len(endpoints)}\n")
         for endpoint in () if arguments.count else endpoints:
             type_text = (
@@ -161,9 +169,7 @@ def _send_goal(source: Source, arguments: Namespace, write: Write) -> None:
         def show(message: Any) -> None:
             write(f"Feedback:\n    {_text(message.feedback)}\n")
 
-        def has_server() -> bool:
-            return not node.context.ok() or client._course_is_ready()
-
+        has_server = partial(_has_server, node, client)
         goal_future = client.send_goal_async(goal, show if arguments.feedback else None)
         handle = answer(source, goal_future, name, source.limit(), has_server)
         if handle.accepted:
@@ -220,8 +226,6 @@ ACTION_VERBS = (
 )
 
 
-# Suffix of the topic on which an action server publishes feedback.
-FEEDBACK = "/_action/feedback"
 REQUESTS = f"{SERVICE_TOPICS[0][0]}/"
 # The name and type of a topic, service or action.
 Named = tuple[str, str]
@@ -294,8 +298,6 @@ NODE_VERBS = (
 
 
 GET_STATE, STATE_TYPE = "/get_state", "lifecycle_msgs/srv/GetState"
-# Time limit for a response if ■ cannot be pressed [s].
-ANSWER_LIMIT = 10.0
 
 
 def _list_lifecycle_nodes(source: Source, arguments: Namespace, write: Write) -> None:

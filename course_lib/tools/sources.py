@@ -66,11 +66,11 @@ class Source(ABC):
 
     def __init__(self, graph: Graph, always_there: Mapping[str, list[str]]) -> None:
         self.graph = graph
-        self._permanent_nodes = always_there
+        self._always_there = always_there
 
     def topics(self, *, hidden: bool = True) -> dict[str, list[str]]:
         """Return the sorted types of each topic by name."""
-        types_by_topic = {name: set(types) for name, types in self._permanent_nodes.items()}
+        types_by_topic = {name: set(types) for name, types in self._always_there.items()}
         for endpoint in (e for e in self.graph.endpoints() if e.service is None):
             types_by_topic.setdefault(endpoint.topic, set()).add(endpoint.type_name)
         return {
