@@ -245,6 +245,14 @@ class RecordingBudget:
             )
 
 
+@dataclass(frozen=True)
+class _Request:
+    """A request that a process may send: the exact types of its arguments, and its handler."""
+
+    kinds: tuple[type, ...]
+    handle: Callable[..., Any]
+
+
 class GraphServer:
     """The server for one process, reached over a channel.
 
@@ -271,20 +279,19 @@ class GraphServer:
         self._stored_bound = 0
         self._alarms: dict[int, Alarm] = {}
         self._budget = budget or RecordingBudget()
-        self._handlers: dict[str, tuple[tuple[type, ...], Callable[..., Any]]] = {
-            "node": ((int, str, str), self._add_node),
-            "unnode": ((int,), self._remove_node),
-            "pub": ((int, int, str, str, list), self._add_publisher),
-            "sub": ((int, int, int, str, str, list), self._add_subscription),
-            "unend": ((int,), self._remove_endpoint),
-            "publish": ((int, bytes), self._publish),
-            "alarm": ((int, int, int, int), self._schedule_alarm),
-            "cancel": ((int,), self._cancel_alarm),
-            "nodes": ((), lambda: [(node.id, node.name, node.namespace) for node in graph.nodes()]),
-            "endpoints": ((), lambda: [_endpoint_row(info) for info in graph.endpoints()]),
-            "endpoints_on": (
-                (str,),
-                lambda topic: [_endpoint_row(info) for info in graph.endpoints_on(topic)],
+        self._requests = {
+            "node": _Request((int, str, str), self._add_node),
+            "unnode": _Request((int,), self._remove_node),
+            "pub": _Request((int, int, str, str, list), self._add_publisher),
+            "sub": _Request((int, int, int, str, str, list), self._add_subscription),
+            "unend": _Request((int,), self._remove_endpoint),
+            "publish": _Request((int, bytes), self._publish),
+            "alarm": _Request((int, int, int, int), self._schedule_alarm),
+            "cancel": _Request((int,), self._cancel_alarm),
+            "nodes": _Request((), lambda: [(n.id, n.name, n.namespace) for n in graph.nodes()]),
+            "endpoints": _Request((), lambda: [_endpoint_row(info) for info in graph.endpoints()]),
+            "endpoints_on": _Request(
+                (str,), lambda topic: [_endpoint_row(info) for info in graph.endpoints_on(topic)]
             ),
         }
 
@@ -298,15 +305,13 @@ class GraphServer:
             name, *arguments = frame = self._channel.receive()
             if name == "idle":
                 return
-            if name not in self._handlers:
+            request = self._requests.get(name)
+            if request is None:
                 self.last_frame = frame
                 return
-            kinds, handler = self._handlers[name]
-            if len(arguments) != len(kinds) or any(
-                type(value) is not kind for value, kind in zip(arguments, kinds, strict=True)
-            ):
+            if tuple(map(type, arguments)) != request.kinds:
                 raise ChannelError(f"The frame {name!r} has the wrong arguments.")
-            answer = handler(*arguments)
+            answer = request.handle(*arguments)
             if answer is not None:
                 self._channel.send(["answer", answer])
 
