@@ -155,7 +155,8 @@ def _send_goal(source: Source, arguments: Namespace, write: Write) -> None:
 
     kind, name = kind_of(action_class, arguments.action_type, "action"), arguments.action_name
     goal = kind.Goal()
-    fill(goal, sys.stdin.read() if arguments.stdin else arguments.goal)
+    text = sys.stdin.read() if arguments.stdin else arguments.goal
+    fill(goal, text, failed="Failed to populate message fields")
     actions = _actions(source)
     check_type(name, type_name(kind.Goal).removesuffix("_Goal"), actions)
     with until_interrupted(), own_node(source) as node:

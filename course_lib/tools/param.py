@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError, did_you_mean
+from course_lib.ros.notices import print_to_stderr
 from course_lib.tools.sources import Source, answer, is_hidden, own_node
 from course_lib.tools.verb import NODE_OPTIONS, Option, Run, Verb, Write, flag, pattern, value
 
@@ -42,7 +43,8 @@ def _get(source: Source, arguments: Namespace, write: Write) -> None:
         values = ask("get_parameters", [name]).values
         if not values:
             names = ask("list_parameters").result.names
-            raise CourseError(f"Parameter not set: {name}{did_you_mean(name, names)}")
+            similar = "; it is declared without a value." if name in names else did_you_mean(name, names)
+            raise CourseError(f"Parameter not set: {name}{similar}")
     kind = Parameter.Type(values[0].type)
     many = kind.name.endswith("_ARRAY")
     type_word = kind.name.removesuffix("_ARRAY").replace("BOOL", "Boolean").capitalize()
@@ -95,7 +97,10 @@ def _dump(source: Source, arguments: Namespace, write: Write) -> None:
     with parameter_client(source, node_name) as ask:
         names = sorted(ask("list_parameters").result.names)
         values = ask("get_parameters", names).values
-    for name, parameter in zip(names, values, strict=True):
+    if len(values) < len(names):
+        # rclpy answers with no value at all if one parameter has none, and ROS prints no parameter.
+        print_to_stderr("hint: a parameter has no value yet, so ROS dumps none. `ros2 param get` finds it.")
+    for name, parameter in zip(names, values, strict=False):
         *groups, last_name = name.split(".")
         group_values = parameters
         for group in groups:

@@ -195,9 +195,8 @@ def kind_of(find: Any, type_name: str, folder: str) -> Any:
             raise CourseError(f"{type_name} has no package.")
         return find(full_name)
     except CourseError as error:
-        # The error already has ROS's text.
         if folder == "msg":
-            raise
+            raise CourseError(f"The passed message type is invalid: {error}") from error
         noun, suffix = {"srv": ("service", "_Request"), "action": ("action", "_Goal")}[folder]
         candidates = [
             name.removesuffix(suffix)
@@ -220,7 +219,7 @@ def check_type(name: str, type_name: str, types_by_name: Mapping[str, Sequence[s
         raise CourseError(f"{name} has the type {', '.join(types_by_name[name])}, not {type_name}.")
 
 
-def fill(message: RosMessage, text: str) -> list[SetTime]:
+def fill(message: RosMessage, text: str, failed: str = "Failed to populate field") -> list[SetTime]:
     """Set a message's fields from YAML like ``{header: auto, x: 1.0}``.
 
     Returns:
@@ -245,6 +244,4 @@ def fill(message: RosMessage, text: str) -> list[SetTime]:
         return set_fields(message, values)
     except (AttributeError, AssertionError, TypeError, ValueError, OverflowError) as error:
         fields = ", ".join(f"{name}: {of}" for name, of in message.get_fields_and_field_types().items())
-        raise CourseError(
-            f"Failed to populate field: {error}. {type_name(message)} has {fields or 'no field'}."
-        ) from error
+        raise CourseError(f"{failed}: {error}. {type_name(message)} has {fields or 'no field'}.") from error

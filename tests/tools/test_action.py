@@ -77,13 +77,19 @@ def test_interrupted_goal_is_canceled(run: Run, talker: Node) -> None:
     assert run.written.endswith("Canceling goal...\nGoal canceled.\n")  # type: ignore[attr-defined]
 
 
+def test_info_prints_the_namespace_of_a_server(run: Run, talker: Node) -> None:
+    node = Node("arm", namespace="/demo")
+    ActionServer(node, Fibonacci, "grasp", count)
+    assert run("action info /demo/grasp").endswith("Action servers: 1\n    /demo/arm\n")
+
+
 def test_invalid_goal_arguments_are_reported(run: Run, talker: Node) -> None:
     ActionServer(talker, Fibonacci, "fibonacci", count)
     with pytest.raises(
         CourseError, match=r"^No node serves the action '/fibonaci'\. Did you mean /fibonacci\?$"
     ):
         run(f"action send_goal /fibonaci {TYPE}")
-    with pytest.raises(CourseError, match="Failed to populate field: 'Fibonacci_Goal' object"):
+    with pytest.raises(CourseError, match="Failed to populate message fields: 'Fibonacci_Goal' object"):
         run(f"action send_goal /fibonacci {TYPE} {{ordr: 3}}")
     with pytest.raises(
         CourseError, match=r"^The passed action type is invalid: .*/Fib\. Did you mean .*/Fibonacci\?"

@@ -69,7 +69,10 @@ def test_pub_waits_for_the_requested_number_of_subscriptions(run: Run, talker: N
 @pytest.mark.parametrize(
     ("line", "text"),
     [
-        ("/a std_msgs/msg/Strin", "No message type 'std_msgs/msg/Strin' here. Did you mean std_msgs/msg/Str"),
+        (
+            "/a std_msgs/msg/Strin",
+            "The passed message type is invalid: No message type 'std_msgs/msg/Strin' here. Did",
+        ),
         ("a/ std_msgs/msg/String", "Invalid topic name: topic name must not end with a forward slash"),
         ("/a std_msgs/msg/String -r 0", "argument -r/--rate: Value must be positive"),
         (
