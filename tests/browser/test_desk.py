@@ -231,3 +231,24 @@ def test_values_of_all_levels_are_in_one_column_and_a_shortened_label_has_its_na
     assert label.get_attribute("title") == (
         "Autocompute Intensity Bounds: Whether to automatically compute the intensity min/max values."
     )
+
+
+# In the page: what has been written into the rows of the panels since.
+RECORD_WRITES = """() => {
+    window.written = [];
+    const observer = new MutationObserver((all) => written.push(...all.map((one) => one.target.outerHTML)));
+    const everything = { subtree: true, childList: true, attributes: true };
+    for (const tree of document.querySelectorAll(".course-tree")) observer.observe(tree, everything); }"""
+
+
+def test_update_of_panels_writes_only_what_has_changed(bench: Bench) -> None:
+    publish(bench.graph, "/m", marker())
+    bench.viewer.look()
+    bench.open("Marker", "Status: Hint")
+    bench.row("Topic").filter(has_text="2 messages received").wait_for()
+    bench.page.evaluate(RECORD_WRITES)
+    publish(bench.graph, "/m", marker())
+    bench.viewer.look()
+    bench.widget.link.receive({"type": "desk", "act": "LookAgain"})
+    bench.host.carry()
+    assert bench.page.evaluate("() => written") == ["<span>3 messages received at inf hz.</span>"]

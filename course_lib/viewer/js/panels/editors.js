@@ -1,4 +1,4 @@
-import { createElement } from "./elements.js";
+import { createElement, setChanged } from "./elements.js";
 
 /** @typedef {import("../protocol.js").PanelRow} Row */
 /** @typedef {{element: any, update: (value: any) => void}} Control */
@@ -57,7 +57,7 @@ const EDITORS = {
   color: (_, set) => {
     const control = inputField({ type: "color" }, (input) => set(rgb(input.value)), hex);
     const update = (/** @type {number[]} */ value) => {
-      control.element.title = value.join("; "); // as RViz writes it
+      setChanged(control.element, { title: value.join("; ") }); // as RViz writes it
       control.update(value);
     };
     return { ...control, update };
@@ -72,7 +72,7 @@ const EDITORS = {
   },
   none: () => {
     const text = createElement("span");
-    return { element: text, update: (value) => (text.textContent = value ?? "") };
+    return { element: text, update: (value) => setChanged(text, { textContent: value ?? "" }) };
   },
 };
 

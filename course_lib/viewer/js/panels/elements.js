@@ -14,6 +14,15 @@ export function createElement(tag, fields = {}, ...children) {
 }
 
 /**
+ * Set properties of an element that have other values now. A page lays out its text anew after each write, and a live
+ * view updates its panels ten times a second.
+ * @param {any} element @param {any} fields
+ */
+export function setChanged(element, fields) {
+  for (const [name, value] of Object.entries(fields)) if (element[name] !== value) element[name] = value;
+}
+
+/**
  * Create a button with a name for screen readers.
  * @param {string | Node} content @param {string} name @param {() => void} onclick
  */

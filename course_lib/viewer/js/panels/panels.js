@@ -1,6 +1,6 @@
 import { icon } from "../icons.js";
 import { Gestures } from "./gestures.js";
-import { button, createElement, openDialog } from "./elements.js";
+import { button, createElement, openDialog, setChanged } from "./elements.js";
 import { Tree } from "./tree.js";
 
 const TURNED_AFTER = 150; // [ms] after the last turn of a view by hand
@@ -66,18 +66,16 @@ export class Panels {
     if (JSON.stringify(notice) !== this.lastNotice) this.showLine(this.notice, "", "", notice.text ?? "", notice.level ?? "");
     this.lastNotice = JSON.stringify(notice);
     if (values.selection && values.selection !== this.selection.textContent) this.toggle(this.right, true);
-    this.selection.textContent = values.selection;
-    this.selection.hidden = !values.selection;
-    this.summary.textContent = values.summary;
+    setChanged(this.selection, { textContent: values.selection, hidden: !values.selection });
+    setChanged(this.summary, { textContent: values.summary });
     if (changed.topics && this.addable?.isConnected) this.fillAddable();
     if (changed.topics || changed.frames) this.lists.replaceChildren(...this.suggestions(values));
   }
 
   /** @param {any} element @param {string} mark @param {string} word @param {string} text @param {string} level */
   showLine(element, mark, word, text, level) {
-    element.textContent = [mark, text].filter(Boolean).join(" ");
-    element.title = word ? `${word}: ${text}` : text;
-    element.dataset.level = level;
+    setChanged(element, { textContent: [mark, text].filter(Boolean).join(" "), title: word ? `${word}: ${text}` : text });
+    setChanged(element.dataset, { level });
   }
 
   /** @param {string} name @param {HTMLElement[]} parts @returns {any} with the button that opens it */
@@ -224,7 +222,7 @@ export class Panels {
     fill(this.types, types);
     this.types.value = type;
     fill(this.saved, saved);
-    this.saved.hidden = !saved.length;
+    setChanged(this.saved, { hidden: !saved.length });
   }
 
   /** @param {PanelState} values @returns {HTMLElement[]} */

@@ -1,5 +1,5 @@
 import { icon } from "../icons.js";
-import { button, createElement } from "./elements.js";
+import { button, createElement, setChanged } from "./elements.js";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4];
 const TIME_STYLE = `
@@ -53,11 +53,11 @@ export class TimeBar {
       this.playButton.replaceChildren(icon(time.paused ? "play" : "pause"));
     }
     const range = time.range ?? [0, 0];
-    for (const control of [this.backButton, this.slider, this.loopButton]) control.hidden = !time.range;
-    Object.assign(this.slider, { min: range[0], max: range[1] });
+    for (const control of [this.backButton, this.slider, this.loopButton]) setChanged(control, { hidden: !time.range });
+    setChanged(this.slider, { min: String(range[0]), max: String(range[1]) });
     if (!this.slider.matches(":active")) this.slider.value = String(time.elapsed); // the user may be dragging it
-    this.slider.setAttribute("aria-valuetext", `${time.elapsed.toFixed(2)} of ${range[1].toFixed(2)} s`);
-    this.loopButton.ariaPressed = String(time.loop ?? false);
+    setChanged(this.slider, { ariaValueText: `${time.elapsed.toFixed(2)} of ${range[1].toFixed(2)} s` });
+    setChanged(this.loopButton, { ariaPressed: String(time.loop ?? false) });
     this.speedSelect.value = String(time.rate);
     // A narrow window breaks the line between two clocks.
     const clocks = timeTexts(time).map((textContent) => createElement("span", { textContent }));

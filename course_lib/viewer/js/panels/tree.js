@@ -1,5 +1,5 @@
 import { editorFor } from "./editors.js";
-import { createElement } from "./elements.js";
+import { createElement, setChanged } from "./elements.js";
 
 /** A tree of rows with values, as in RViz's panels. */
 export class Tree {
@@ -64,16 +64,14 @@ export class Tree {
     let drawnRow = this.drawnRows.get(row.key);
     if (drawnRow?.shape !== shape) this.drawnRows.set(row.key, (drawnRow = this.createRow(row, shape)));
     const { element, name, label, mark, tick, editor } = drawnRow;
-    element.ariaLevel = String(depth);
-    name.style.paddingInlineStart = `${(depth - 1) * 14 + 2}px`; // the values stay in one column
-    if (isParent) element.ariaExpanded = String(this.isOpen(row));
-    label.textContent = row.label;
+    setChanged(element, { ariaLevel: String(depth) });
+    setChanged(name.style, { paddingInlineStart: `${(depth - 1) * 14 + 2}px` }); // the values stay in one column
+    if (isParent) setChanged(element, { ariaExpanded: String(this.isOpen(row)) });
     drawnRow.description = row.title ?? "";
-    label.title = drawnRow.description;
-    mark.textContent = row.mark?.icon ?? "";
-    mark.hidden = !row.mark;
-    mark.title = mark.ariaLabel = row.mark?.word ?? "";
-    element.dataset.level = row.mark?.level ?? "";
+    setChanged(label, { textContent: row.label, title: drawnRow.description });
+    const { icon, word, level } = row.mark ?? { icon: "", word: "", level: "" };
+    setChanged(mark, { textContent: icon, hidden: !row.mark, title: word, ariaLabel: word });
+    setChanged(element.dataset, { level });
     if (row.checked !== undefined) tick.checked = row.checked;
     editor.update(row.editor ? row.value : row.text);
     return element;
@@ -116,8 +114,7 @@ export class Tree {
   select(key, focus = true) {
     this.selected = key;
     for (const [name, { element }] of this.drawnRows) {
-      element.tabIndex = name === key ? 0 : -1;
-      element.ariaSelected = String(name === key);
+      setChanged(element, { tabIndex: name === key ? 0 : -1, ariaSelected: String(name === key) });
     }
     if (focus) this.drawnRows.get(key)?.element.focus();
   }
