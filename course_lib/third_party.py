@@ -21,7 +21,7 @@ TOO_DEEP = "it is nested too deeply for Python: split the expression"
 MAX_NESTING = 200
 NOT_UTF8 = "it is not text in UTF-8: save it in this encoding"
 NULL_BYTES = "it contains null bytes: save it as text in UTF-8"
-# Maximum size [B] of the input of an XML or YAML parser, which uses a multiple of this memory.
+# Maximum input size [B] for an XML or YAML parser, which uses a multiple of this memory.
 MOST_TEXT = 32_000_000
 # The beginning of a pointer of Git LFS, which a clone without Git LFS has in place of a file.
 LFS_POINTER = b"version https://git-lfs"
@@ -101,7 +101,7 @@ def read_json(text: str | bytes) -> Any:
 
 
 def explain_xml_error(text: str, code_number: int, number: int, column: int) -> str:
-    """Return what to change in a text that is not XML, or "" for an unusual error.
+    """Return advice for a string that is not XML, or "" for an unusual error.
 
     The parser names the tag and the line at which it gave up, which is often not the wrong one.
 

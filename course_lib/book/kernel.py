@@ -227,7 +227,7 @@ class _LiveScene:
     viewer: Viewer
     # Start and end of the scene, in the time of the viewer's recording [s].
     since: float
-    until: float
+    end: float
     # The scene after the last cell.
     scene: Scene
 
@@ -236,15 +236,15 @@ class _LiveScene:
         recording = self.viewer.film
         # The robot time was reset in between.
         if recording.time < self.since:
-            self.since = self.until = recording.time
+            self.since = self.end = recording.time
         if recording.time - self.since <= SECONDS:
             self.viewer.look()
-            self.until, self.scene = recording.time, copy_of(recording.scene)
+            self.end, self.scene = recording.time, copy_of(recording.scene)
 
-    def packed(self, interval: float) -> bytes:
+    def pack(self, interval: float) -> bytes:
         """Return its recording, packed for pages, with pictures at an interval [s]."""
-        seconds = min(self.until - self.since + BEFORE, SECONDS)
-        return self.viewer.film.packed(seconds, self.until, interval)
+        seconds = min(self.end - self.since + BEFORE, SECONDS)
+        return self.viewer.film.pack(seconds, self.end, interval)
 
 
 @dataclass(frozen=True)
@@ -282,7 +282,7 @@ class Scenes:
 
     def add_resting_view(self, view: RestingView) -> dict[str, Any]:
         """Save a frozen view with its recording and return the HTML that its cell displays."""
-        return self._save_picture(view, _fit(view.packed), plays=view.plays)
+        return self._save_picture(view, _fit(view.pack), plays=view.plays)
 
     def add_widget(self, widget: SceneWidget) -> dict[str, Any]:
         """Save a scene without a viewer and return the HTML that its cell displays."""
@@ -315,7 +315,7 @@ class Scenes:
         """Finish the scene of the current viewer."""
         if self._live_scene is not None:
             self._saved_scenes.append(
-                (self._live_scene.name, _fit(self._live_scene.packed), self._live_scene.scene)
+                (self._live_scene.name, _fit(self._live_scene.pack), self._live_scene.scene)
             )
         self._live_scene = None
 

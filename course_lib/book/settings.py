@@ -33,7 +33,7 @@ html_static_path = [str(Path(__file__).parent / "static")]
 html_css_files = ["book.css"]
 html_js_files = ["pages.js"]
 html_extra_path = ["_extra"]
-# Search summaries would request pages from a server.
+# Sphinx's search summaries would request pages from a server.
 html_show_search_summary = False
 html_copy_source = False
 html_show_copyright = False

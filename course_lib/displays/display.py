@@ -287,14 +287,14 @@ class Display(PropertyHolder):
         if visible != self._is_group_visible:
             self._is_group_visible = visible
             if self.is_started:
-                self.start_contained()
+                self.start_safely()
 
-    def start_contained(self) -> None:
+    def start_safely(self) -> None:
         """Start; an exception becomes a status, so that the session continues without this display."""
         with contained(self._statuses, "Start"):
             self.start()
 
-    def reset_contained(self) -> None:
+    def reset_safely(self) -> None:
         """Reset; an exception becomes a status, so that the session continues without this display."""
         with contained(self._statuses, "Start"):
             self.reset()

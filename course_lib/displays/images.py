@@ -274,10 +274,10 @@ class ImageDisplay(PictureDisplay):
         Property("Median window", 5, integer(1), shown_if=(("Normalize Range", True),)),
     )
 
-    def is_shown(self, prop: Property) -> bool:
+    def has_row(self, prop: Property) -> bool:
         """Return whether the panel has a row: RViz normalizes only depths and other large numbers."""
         is_normalized = getattr(self.message, "encoding", "") in _NORMALIZED
-        return super().is_shown(prop) and (is_normalized or prop in PictureDisplay.properties)
+        return super().has_row(prop) and (is_normalized or prop in PictureDisplay.properties)
 
     def limits(self, values: AnyArray) -> tuple[float, float]:
         """Return the values of black and white: properties, truncated as in RViz, or measured."""

@@ -500,7 +500,7 @@ def _write_point(point: motion.Message, numbers: Floats) -> None:
 _COMMANDS = {1: "ros2 run", 2: "ros2 launch"}
 # The numbers of the mouse buttons.
 _LEFT, _RIGHT = 0, 2
-# How RViz shows the beginning of a title.
+# The beginnings of titles, and the check boxes that RViz shows for them.
 _BOXES = {"[x]": "\u2611", "[ ]": "\u2610"}
 
 

@@ -339,7 +339,7 @@ DRAW: Mapping[int, Callable[[Any], MarkerDrawing]] = {
 
 # RViz does not draw type 12.
 _TEXT, _MESH, _TRIANGLES = 9, 10, 11
-# The number of characters of a text that are looked up in the fonts.
+# Maximum number of characters that are looked up in the fonts.
 _MOST_CHARACTERS = 100
 # A number of points that takes 0.1 s to create and 0.1 s to draw.
 _MANY = 100_000
@@ -469,7 +469,7 @@ class DisplayedMarker:
     # Robot time of reception [ns].
     received_ns: int
     # Whether its node is visible.
-    is_shown: bool = True
+    is_visible: bool = True
     # The transform that was used last; None if it is unknown.
     transform_frame_to_fixed: Matrix | None = None
 
@@ -616,7 +616,7 @@ class MarkerStore:
             and _drawing_key(marker)
             and _drawing_key(marker) == _drawing_key(before.marker)
         ):
-            return DisplayedMarker(marker, before.drawn, path, received_ns, before.is_shown)
+            return DisplayedMarker(marker, before.drawn, path, received_ns, before.is_visible)
         if before and before.path != path:
             scene.delete(before.path)
             before = None
@@ -625,17 +625,17 @@ class MarkerStore:
             scene.delete(f"{path}/{part}")
         for part, drawable in drawing.drawables.items():
             scene.set_object(f"{path}/{part}", drawable)
-        is_shown = before.is_shown if before else True
-        return DisplayedMarker(marker, drawing, path, received_ns, is_shown)
+        is_visible = before.is_visible if before else True
+        return DisplayedMarker(marker, drawing, path, received_ns, is_visible)
 
     def _place_marker(self, live: DisplayedMarker) -> None:
         """Place a marker by the transform at its stamp, or in its frame if it is locked to it."""
         marker, scene = live.marker, self._context.scene
         frame, stamp_ns = marker.header.frame_id, nanoseconds(marker.header.stamp)
         transform = self._transform(live)
-        if live.is_shown != (transform is not None):
-            live.is_shown = not live.is_shown
-            scene.set_visible(live.path, live.is_shown)
+        if live.is_visible != (transform is not None):
+            live.is_visible = not live.is_visible
+            scene.set_visible(live.path, live.is_visible)
         first, live.transform_frame_to_fixed = live.transform_frame_to_fixed is None, transform
         if transform is None:
             problem = self._context.frames.problem(frame, stamp_ns) or ""

@@ -249,13 +249,13 @@ class PropertyHolder(KnownAttributes):
         label = labels.get(nearest(name, labels, 0.6), "") or labels.get(name, "")
         return f'{self._expression}["{label}"]' if label else super()._suggest(name)
 
-    def is_shown(self, prop: Property) -> bool:
+    def has_row(self, prop: Property) -> bool:
         """Return whether the panel has a row for a property. RViz hides rows without an effect."""
         return all(values and self[label] in values for label, *values in prop.shown_if)
 
     def panel_rows(self) -> Iterator[tuple[tuple[str, ...], Property]]:
         """Yield the displayed properties, and the path of each in the panel, parents first."""
-        return ((prop.path, prop) for prop in self.properties if self.is_shown(prop))
+        return ((prop.path, prop) for prop in self.properties if self.has_row(prop))
 
     def row_name(self, path: tuple[str, ...]) -> str:
         """Return the name that the panel shows for the row at a path."""

@@ -331,16 +331,16 @@ class RobotModelDisplay(TopicDisplay):
         self._parent_transforms: dict[str, Matrix] = {}
         # The time of the last update; None requests an immediate one.
         self._updated_ns: int | None = None
-        # Whether anybody sees the robot, and the properties with which the links are shown.
+        # Whether the robot is visible, and the properties with which the links are shown.
         self._shown_state: tuple[bool, dict[str, Any]] | None = None
 
-    def is_shown(self, prop: Property) -> bool:
+    def has_row(self, prop: Property) -> bool:
         """Return whether the panel has a row: RViz hides an unused topic and empty links."""
         is_used = {_TOPIC: self["Description Source"] == "Topic", "Links": bool(self._links)}
         if len(prop.names) == 2 and prop.names[0] == "Joints":
             # RViz removes the check box of a joint that moves no geometry.
             return bool(self._switches[prop.names[1]])
-        return is_used.get(prop.path[0], True) and super().is_shown(prop)
+        return is_used.get(prop.path[0], True) and super().has_row(prop)
 
     def __setitem__(self, label: str, value: Any) -> None:
         names = self._property(label).names
@@ -480,7 +480,7 @@ class RobotModelDisplay(TopicDisplay):
         by_row: dict[tuple[str, ...], list[Property]] = {row: [] for row in self._rows.values()}
         by_row[()] = []
         for prop in self.properties:
-            if prop.names[:2] in by_row and self.is_shown(prop):
+            if prop.names[:2] in by_row and self.has_row(prop):
                 by_row[prop.names[:2]].append(prop)
         yield from ((prop.path, prop) for prop in by_row[()])
         # In a tree, the rows of children follow the row Details.

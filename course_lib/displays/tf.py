@@ -264,7 +264,8 @@ def _fade(color: Matrix, age: float) -> Matrix:
     return fading
 
 
-# Maps the positions in a name at which a part of an expression starts to those at which it can end.
+# A function from positions in a name, where a part of an expression starts, to possible end
+# positions.
 _Ends: TypeAlias = Callable[[str, set[int]], set[int]]
 # Parts of Python's parsed expressions that match at most one character.
 _SINGLE = {"LITERAL", "NOT_LITERAL", "IN", "ANY", "AT", "FAILURE"}

@@ -107,7 +107,7 @@ class Viewer(KnownAttributes):
         A notebook prints how to open it.
         """
         save_rviz(self.session, path)
-        # Reports of checks show what a task printed, and exercises save layouts.
+        # Reports of checks show a task's output, and exercises save layouts.
         if in_notebook():
             say(f"Saved {path}. The real RViz2 opens it with: rviz2 -d {path}")
 

@@ -481,7 +481,7 @@ _AROUND_ORIGIN = 0.5
 # Size of the drawn objects, as a multiple of their distance to the origin, below which the origin
 # is left out.
 _FAR_AWAY = 0.03
-# [m] range of the distance of a view.
+# [m] smallest and largest distance of a view.
 _NEAREST, _FARTHEST = 2.0, 500.0
 
 

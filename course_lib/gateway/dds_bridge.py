@@ -114,7 +114,7 @@ class DdsBridge:
         self._offered: dict[str, Declaration] = {}
         # Monotonic times [s].
         self._polled, self._opened = 0.0, time.monotonic()
-        self._is_found = False
+        self._is_robot_present = False
         self._own_node: DdsEntity = self._dds.node("gateway", "/")
         self._dds.announce(self._own_node)
         self._dds.watch(self._on_entity, report)
@@ -133,9 +133,9 @@ class DdsBridge:
                 break
             self._follow_demand()
         self._follow_demand()
-        if not self._is_found:
-            self._is_found = self.is_up()
-            if not self._is_found and time.monotonic() - self._opened > SILENT_SECONDS:
+        if not self._is_robot_present:
+            self._is_robot_present = self.is_up()
+            if not self._is_robot_present and time.monotonic() - self._opened > SILENT_SECONDS:
                 self._report_once("silent", self._dds.no_nodes_message())
 
     def is_command(self, topic: str, type_name: str, command_hash: str) -> bool:

@@ -230,7 +230,7 @@ class Code:
         inner = [parse(text) for text in texts if isinstance(text, str) and "\n" in text]
         self._expressions = set().union(*map(_expressions, [tree, *inner]))
 
-    def calls(self, method: str) -> bool:
+    def has_call(self, method: str) -> bool:
         """Return whether the code calls a method, or passes it on to be called."""
         return any(isinstance(node, ast.Attribute) and node.attr == method for node in self._nodes)
 
@@ -347,13 +347,13 @@ def _missing_call(code: Code, result: TaskResult) -> str:
     topic = next((found[1] for found in silent if found), "")
     if not topic:
         return ""
-    if code.calls("create_publisher") and not code.mentions_topic(topic) and code.calls("publish"):
+    if code.has_call("create_publisher") and not code.mentions_topic(topic) and code.has_call("publish"):
         return f"No string in your code is {topic}: compare the name in create_publisher letter by letter."
     if not code.is_plain_node:
         return ""
-    if not code.calls("publish") and not code.calls("sendTransform"):
+    if not code.has_call("publish") and not code.has_call("sendTransform"):
         return "Your code never calls publish(): `self.publisher.publish(message)` sends a message."
-    if not code.calls("create_timer") and not code.calls("create_subscription"):
+    if not code.has_call("create_timer") and not code.has_call("create_subscription"):
         return "Nothing calls your method: in __init__, create a timer or a subscription that does."
     return ""
 
@@ -362,7 +362,7 @@ def _silence_hint(code: Code) -> str:
     """Return a suggestion for a node that publishes nothing, depending on its timers, or ""."""
     if not code.is_plain_node:
         return ""
-    if not code.calls("create_timer"):
+    if not code.has_call("create_timer"):
         return (
             "Is your callback ever called, and does it get as far as publish()? Compare the topic "
             "in create_subscription letter by letter with the name in the task, then print "
@@ -584,7 +584,8 @@ def _is_super_init(node: ast.AST) -> TypeGuard[ast.Call]:
     return False
 
 
-# What a subscription requests and the publisher does not offer, and what to pass instead.
+# Policies that a subscription requests and a publisher does not offer, with the value to pass
+# instead.
 _POLICIES = {
     "RELIABILITY": "it is published with Best Effort, and your subscription requests Reliable, as each "
     "number like 10 does. Pass qos_profile_sensor_data",
@@ -641,7 +642,7 @@ def wall_clock_hint(source: str) -> list[str]:
     return []
 
 
-# Functions that return the computer's time instead of the node's.
+# Functions that return the computer's time instead of the node's time.
 _WALL_CLOCK = r"time\.(time|time_ns|monotonic|perf_counter)|(datetime\.)?datetime\.(now|utcnow)"
 
 

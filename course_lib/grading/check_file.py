@@ -54,7 +54,7 @@ def check_file(path: Path) -> bool:
         save_progress(task, result, notebook.cells, student)
         evidence = [run.evidence for run in exercise_run.runs if run.evidence.task == task.id]
         follows = causes.is_only_cause(result)
-        # The object that `check` gets may have another name than the task's.
+        # The object that `check` receives may have another name than the task.
         arguments = [cell.checks[task.id] for cell in cells if task.id in cell.checks]
         name = getattr(arguments[-1], "id", "") if arguments else task.name
         own_source = source_in_cells(name, notebook.cells, task.week)

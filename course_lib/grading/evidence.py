@@ -138,7 +138,7 @@ def _decode_node(value: Any) -> StartedNode:
 
 
 Found = TypeVar("Found")
-FORMAL_SHARE = 0.1  # formal checks' share of the weight of a scenario's checks
+FORMAL_SHARE = 0.1  # fraction of a scenario's weight that its formal checks have
 LARGE = 2_000_000  # [B] size of a message, some 100,000 points, above which messages take most of the time
 LIGHT = 0.05  # factor on a check's weight if students can read its inputs
 
@@ -230,7 +230,7 @@ def _decode(sample: Sample) -> Any:
     try:
         return sample.message()
     except Exception:
-        # The bytes come from a student's process and need not be a valid message.
+        # A student's process sent the bytes, which need not be a valid message.
         return None
 
 

@@ -592,7 +592,7 @@ def _note_lines(submissions: Sequence[Submission]) -> Iterator[str]:
     lines: dict[str, list[str]] = {}
     for submission in submissions:
         for note in submission.notes:
-            # Notes of a kind differ in what follows, like the names of other students.
+            # Notes of one kind have different endings, like the names of other students.
             kind = re.sub("that of .*", "that of another student", note.split(":")[0])
             line = f"{submission.student}  {submission.exercise}  note: {note}"
             lines.setdefault(kind, []).append(line)

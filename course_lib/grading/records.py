@@ -456,7 +456,7 @@ class Result:
             del content["submission"][name]
         task_contents = content["judgement"]["tasks"] if self.judgement else ()
         for task, plain in zip(self.tasks, task_contents, strict=True):
-            # For other programs; the kit computes the score itself.
+            # The file contains the score for other programs; the kit computes it.
             plain["score"] = task.score
             # Measured times vary, but equal submissions must get equal files.
             for check in plain["checks"]:

@@ -34,7 +34,7 @@ INSTALL = "course ros --install"
 _PIN = re.compile(r"^(ros-[\w-]+)==([\w.]+)$", re.MULTILINE)
 _OTHER_FOLDER = "Set XDG_DATA_HOME to a folder that you may write"
 _FULL_DISK = "a disk or your quota is full, where the files are installed or in TMPDIR. Remove files there"
-# What to do about lines of venv and pip. The first pattern that matches one of their lines counts.
+# Advice for errors of venv and pip. The first pattern that matches one of their lines counts.
 _CAUSES = tuple(
     (re.compile(pattern), advice)
     for pattern, advice in (

@@ -532,7 +532,7 @@ def read_bag(folder: str | Path) -> Recording:
         is_unknown_encoding = isinstance(error, KeyError) and error.args == (_TEXT_ENCODINGS[-1],)
         return _read_files(path, "" if is_unknown_encoding else _describe_damage(path, error))
     if len(samples) < listed_count and bag_metadata(path).get("compression_mode", "") in ("", "NONE"):
-        # rosbags leaves out topics whose QoS in the metadata is another one than in the files.
+        # rosbags leaves out topics whose QoS in the metadata differs from the QoS in the files.
         samples_of_files, _ = salvage(data_files(path))
         samples = samples_of_files if len(samples_of_files) == listed_count else samples
     if len(samples) < listed_count:
@@ -583,8 +583,7 @@ def _read_files(path: Path, reason: str) -> Recording:
     samples, damage = salvage(data_files(path))
     if not (reason or damage):
         return Recording(tuple(samples))
-    # What is wrong with its files explains why rosbags cannot read a bag, except that the program that
-    # records it may still run.
+    # Damage to its files explains why rosbags cannot read a bag, unless its recorder still runs.
     is_unfinished = reason and not (path / METADATA).is_file()
     cause = f"{damage}, and {reason}" if damage and is_unfinished else damage or reason
     text = f"The bag {path} is damaged or was cut off: {cause}"

@@ -501,7 +501,7 @@ def load_robot(name: str | Path, **arguments: object) -> Robot:
         try:
             return _check_meshes(from_text(description, path))
         except CourseError as error:
-            # A text that is not XML may be the beginning of a description with links.
+            # A string that is not XML may be the beginning of a description with links.
             is_xml = "is not XML" not in str(error)
             advice = _advice_without_links(text) if is_xml and "<link" not in description else ""
             message = f"{str(error).rstrip('.')}.{advice}" if advice else str(error)

@@ -441,7 +441,8 @@ class RobotStatePublisher(Node):
             elif near := nearest(name, free_names, 0.8):
                 self._hint(name, f"names {name}, which the robot does not have: did you mean {near}?")
             else:
-                # A robot's states may contain joints that its description lacks, such as a gripper's.
+                # A robot's states may contain joints that its description lacks, such as a gripper
+                # joint.
                 self._hinted.add(name)
 
     def _hint(self, joint: str, text: str) -> None:

@@ -234,7 +234,7 @@ class _MalformedError(Exception):
     """A malformed element of a link, which is ignored. The message is the same as in urdfdom."""
 
 
-# The tags in each tag, for those that students write by hand.
+# Child tags by tag, for tags that students write by hand.
 _CHILDREN = {
     "robot": {"link", "joint", "material", "transmission", "gazebo", "sensor", "ros2_control"},
     "link": {"visual", "collision", "inertial", "sensor", "gazebo", "contact"},
@@ -559,7 +559,7 @@ def parse_urdf(text: str) -> Urdf:
     return tree
 
 
-# urdfdom's errors, and what to do next.
+# urdfdom's errors, with advice.
 _ADVICE = (
     ("is missing a parent", 'Write <parent link="NAME"/> and <child link="NAME"/> into this joint.'),
     (r"component \[[^]]*[,;]", "Separate the numbers with spaces, without commas."),
@@ -593,7 +593,7 @@ _EVERYDAY_KINDS = {
 
 
 def _advise(robot: ET.Element, reason: str) -> str:
-    """Return what to do about urdfdom's error in a robot, or ""."""
+    """Return advice for urdfdom's error about a robot, or ""."""
     links = [link.get("name", "") for link in robot.findall("link")]
     if robot.tag != "robot":
         return f'The first tag is <{robot.tag}>, and a URDF begins with <robot name="arm">.'

@@ -474,7 +474,7 @@ def _missing_value_hint(error: BaseException, text: str) -> str:
     owner, name, count, values = match.groups()
     if owner and count != "1":
         return ""
-    # A student who has deleted the cell of a check writes it again.
+    # After deleting the cell of a check, a student writes it again.
     if name == "check" and "'task_id'" in values:
         return 'pass the name of the task and your object, as in check("week01.red_cube", RedCubeNode).'
     start = f"the call passes no value for {values.replace(chr(39), '')}"
@@ -698,7 +698,7 @@ def _loop_hint(error: BaseException, text: str) -> str:
     return f"a {name} is a single object: read its fields by their names." if types else ""
 
 
-# The parameters of each method of a node, in their order.
+# The parameters of Node's methods, in their order.
 _CREATE_CALLS = {
     "create_service": "self.create_service(AddTwoInts, '/a_service', self.answer)",
     "create_client": "self.create_client(AddTwoInts, '/a_service')",

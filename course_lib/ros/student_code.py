@@ -9,7 +9,7 @@ from traceback import walk_tb
 from types import CodeType, FrameType
 from typing import Any
 
-# The kit's folder. What it contains, Python and its libraries are not the student's code.
+# The kit's folder. Its files, Python and its libraries are not the student's code.
 KIT = str(Path(__file__).resolve().parent.parent)
 _OTHERS = ("<frozen", KIT, *sysconfig.get_paths().values())
 _HEAP_TYPE = 1 << 9  # Python's flag of classes that are not static in C

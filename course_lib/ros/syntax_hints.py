@@ -109,7 +109,7 @@ def _character_hint(character: str) -> str:
     plain = unicodedata.normalize("NFKC", character)
     value = unicodedata.numeric(character, None)
     if not meant and value is not None and not plain.isascii():
-        # A fraction like ½, or a digit of another script.
+        # A fraction like ½, or a digit that is not ASCII.
         meant = f"{value:g}, with the digits 0 to 9"
     if not meant and plain.isascii() and len(plain) == 1:
         meant = f"{plain}, with the keyboard set to English"

@@ -199,7 +199,7 @@ class TimeCache:
             del transforms[0]
         if transforms and transform.stamp_ns < oldest_ns:
             return False
-        end = start = self._count_until(transform.stamp_ns)
+        end = start = self._count_up_to(transform.stamp_ns)
         while start and transforms[start - 1].stamp_ns == transform.stamp_ns:
             start -= 1
         if transform not in transforms[start:end]:
@@ -222,7 +222,7 @@ class TimeCache:
             return oldest
         if not oldest.stamp_ns < time_ns < newest.stamp_ns:
             _raise_no_data(time_ns, transforms)
-        index = self._count_until(time_ns)
+        index = self._count_up_to(time_ns)
         older, newer = transforms[index - 1], transforms[index]
         return interpolate(older, newer, time_ns) if older.parent == newer.parent else older
 
@@ -235,7 +235,7 @@ class TimeCache:
         transforms = self._transforms
         return (len(transforms), transforms[0].stamp_ns, transforms[-1].stamp_ns) if transforms else (0, 0, 0)
 
-    def _count_until(self, time_ns: int) -> int:
+    def _count_up_to(self, time_ns: int) -> int:
         """Return the number of transforms that are not newer than a time."""
         return bisect_right(self._transforms, time_ns, key=attrgetter("stamp_ns"))
 

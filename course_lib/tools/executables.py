@@ -244,7 +244,7 @@ def run_with_rclpy(work: Callable[[], None]) -> int:
 
 _DEMO, _TURTLE = "course_lib.tools.demo_nodes", "course_lib.robots.turtlesim"
 _FRAMES, _NAV2 = "course_lib.robots.turtlesim", "course_lib.robots.nav2"
-# Each executable imports its modules when it runs, so that a program imports only what it uses.
+# Each executable imports its modules when it runs, because few programs need all of them.
 _NODES: dict[tuple[str, str], Callable[[], None]] = {
     ("rviz2", "rviz2"): _rviz2,
     ("diagnostic_aggregator", "aggregator_node"): partial(

@@ -28,8 +28,7 @@ _QUESTION_CALLS = {"ask_identity", "check", "compare", "predict", "quiz", "resum
 _PACE = "COURSE_PACE"
 # Sources that `resume` has run in this kernel.
 _resumed: set[str] = set()
-# Whether `resume` is running cells. One of them may call `resume` itself, as cells at
-# a place to stop do.
+# Whether `resume` is running cells, which may call `resume` themselves.
 _is_resuming = False
 
 

@@ -28,10 +28,10 @@ from course_lib.tools.verb import (
     flag,
     hidden,
     kind_of,
+    parse_unsigned,
     positive,
     show_types,
     type_verb,
-    unsigned,
     value,
     write_names,
 )
@@ -378,7 +378,7 @@ _ECHO = (
     flag("--csv", help="Output all recursive fields separated by commas"),
     flag("--flow-style", help="Print collections in one line"),
     flag("--full-length", "-f", help="Output all elements of arrays, bytes and strings"),
-    value("--truncate-length", "-l", type=unsigned, default=128, help="The length to truncate them to"),
+    value("--truncate-length", "-l", type=parse_unsigned, default=128, help="The length to truncate them to"),
     flag("--no-arr", help="Don't print array fields of messages"),
     flag("--no-str", help="Don't print string fields of messages"),
     flag("--no-lost-messages", help="Don't report when a message is lost"),
@@ -625,7 +625,7 @@ _OPTIONS = (
     value(
         "-t",
         "--times",
-        type=unsigned,
+        type=parse_unsigned,
         default=0,
         help="Publish this number of times and exit",
         exclusive="count",
@@ -633,7 +633,7 @@ _OPTIONS = (
     value(
         "-w",
         "--wait-matching-subscriptions",
-        type=unsigned,
+        type=parse_unsigned,
         help="Number of matching subscriptions to wait for",
     ),
     value(

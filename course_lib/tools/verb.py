@@ -100,7 +100,7 @@ def seconds(text: str) -> float:
     return number
 
 
-def unsigned(text: str) -> int:
+def parse_unsigned(text: str) -> int:
     """Convert an argument to a non-negative integer, with ros2cli's error text."""
     number = int(text) if text.strip().isdecimal() else -1
     if number < 0:

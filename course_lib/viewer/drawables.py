@@ -440,7 +440,7 @@ def load_mesh(path: Path) -> Mesh:
     """
     file_format = path.suffix.lstrip(".").lower()
     try:
-        # A file of another format may be endless, like those in /proc.
+        # A file of another format may be endless, like a file in /proc.
         _check_format(file_format)
         return parse_mesh(read_bytes(path), file_format, folder=path.parent)
     except (OSError, MeshFileError) as error:

@@ -29,7 +29,7 @@ _CAPITAL = 46
 # Margin around the letters, for descenders and accents [px].
 _MARGIN = 16
 _LINE = 74  # [px] line spacing
-_WIDEST_SPACE = 20.0  # width in units of the height of a capital letter
+_WIDEST_SPACE = 20.0  # width relative to the height of a capital letter
 # Texture size that every graphics card supports [px].
 _LARGEST = 4096
 # The maximum number of letters.

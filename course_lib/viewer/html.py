@@ -191,7 +191,7 @@ def scene_fragment(
         alone: Whether the wheel zooms without a previous click, because nothing else in the page
             needs it.
     """
-    scene_bytes = scene.packed() if isinstance(scene, SceneRecording) else encoding.snapshot(scene)
+    scene_bytes = scene.pack() if isinstance(scene, SceneRecording) else encoding.snapshot(scene)
     zipped = base64.b64encode(gzip.compress(scene_bytes, 6, mtime=0)).decode()
     description = escape(describe_scene(scene.scene if isinstance(scene, SceneRecording) else scene, label))
     return _FRAGMENT.format(

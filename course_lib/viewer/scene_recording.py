@@ -216,7 +216,7 @@ class SceneRecording:
         """The current time, [s]."""
         return self._now()
 
-    def packed(
+    def pack(
         self,
         seconds: float = math.inf,
         until: float = math.inf,

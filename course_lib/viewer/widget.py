@@ -32,17 +32,17 @@ class SidePanel:
 
     def __init__(self) -> None:
         # Whether the views of the next cells are shown in the panel.
-        self.is_wanted = False
+        self.is_enabled = False
         self._lock = threading.RLock()
         # Widgets that were in the panel, or wait for it; the last one is to be shown.
         self._docked: list[SceneWidget] = []
-        self._shown: SceneWidget | None = None
+        self._displayed: SceneWidget | None = None
         self._panel: Widget | None = None
 
     def take(self, widget: "SceneWidget") -> None:
         """Dock a widget that a cell is about to display, if the notebook uses the panel."""
         with self._lock:
-            if self.is_wanted:
+            if self.is_enabled:
                 self._add(widget)
                 if self._panel is not None:
                     self._show(widget)
@@ -59,7 +59,7 @@ class SidePanel:
             if action == "close" or (action == "gone" and order.get("panel") == widget.panel):
                 self.close()
             if action == "open":
-                self.is_wanted = True
+                self.is_enabled = True
                 self._remove_panel()
             if action in ("open", "take") or (action == "join" and not self._docked):
                 self._add(widget)
@@ -69,7 +69,7 @@ class SidePanel:
     def close(self) -> None:
         """Remove the panel from the page, and show the views in their cells from now on."""
         with self._lock:
-            self.is_wanted = False
+            self.is_enabled = False
             for widget in self._docked:
                 widget.beside = False
             self._docked.clear()
@@ -80,7 +80,7 @@ class SidePanel:
         with self._lock:
             if widget in self._docked:
                 self._docked.remove(widget)
-            if widget is self._shown:
+            if widget is self._displayed:
                 self._remove_panel()
 
     def _add(self, widget: "SceneWidget") -> None:
@@ -91,13 +91,13 @@ class SidePanel:
         widget.beside = True
 
     def _show(self, widget: "SceneWidget") -> None:
-        if widget is self._shown:
+        if widget is self._displayed:
             return
         view = {"version_major": 2, "version_minor": 0, "model_id": widget.model_id}
         data = {"application/vnd.jupyter.widget-view+json": view}
         outputs = ({"output_type": "display_data", "data": data, "metadata": {}},)
-        if self._shown is not None:
-            self._shown.panel = ""
+        if self._displayed is not None:
+            self._displayed.panel = ""
         if self._panel is None:
             # Imported here because most kernels never need it.
             from sidecar import Sidecar
@@ -105,15 +105,15 @@ class SidePanel:
             self._panel = Sidecar(title=widget.label, anchor="split-right", outputs=outputs)
         else:
             self._panel.outputs = outputs
-        self._shown = widget
+        self._displayed = widget
         widget.panel = str(self._panel.model_id)
 
     def _remove_panel(self) -> None:
-        if self._shown is not None:
-            self._shown.panel = ""
+        if self._displayed is not None:
+            self._displayed.panel = ""
         if self._panel is not None:
             self._panel.close()
-        self._shown = self._panel = None
+        self._displayed = self._panel = None
 
 
 side_panel = SidePanel()

@@ -144,7 +144,7 @@ def look(class_name: str, early: tuple[tuple[str, Any], ...], late: str = "", va
     shown = {path: scene.is_visible(path) for path in seen}
     asked = [(subscription.topic, subscription.qos) for subscription in display.subscriptions]
     texts = [row for row in display.rows() if row.name in ("URDF", "Topic")]
-    rows = frozenset(prop.label for prop in display.properties if display.is_shown(prop))
+    rows = frozenset(prop.label for prop in display.properties if display.has_row(prop))
     return (seen, places, shown, asked, texts), rows
 
 

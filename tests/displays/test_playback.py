@@ -85,7 +85,7 @@ def test_scene_recording_of_messages_removes_expired_markers_at_their_time() -> 
     fading = marker()
     fading.lifetime.sec = 1
     recording, _ = record_bag(Recording([sample("/m", fading), sample("/chatter", marker(), 3.0)]))
-    batches = decoded(recording.packed())["batches"]
+    batches = decoded(recording.pack())["batches"]
     gone = [b["time"] for b in batches for c in b.get("commands", []) if c["type"] in ("delete", "visible")]
     assert gone[-1] == pytest.approx(1.0, abs=0.1)
 

@@ -66,13 +66,13 @@ def test_recording_of_a_frozen_view_can_be_saved_with_fewer_frames_while_the_vie
     view = viewer.freeze(3.0)
     wait(graph, 1.0)
     viewer.look()
-    few, all_of_them = decoded(view.packed(1.0)), decoded(view.recording)
+    few, all_of_them = decoded(view.pack(1.0)), decoded(view.recording)
     assert (few["start"], few["end"]) == (all_of_them["start"], all_of_them["end"])
     assert 1 < len(few["batches"]) < len(all_of_them["batches"])
     viewer.close()
     del viewer
     gc.collect()
-    assert view.packed(1.0) == view.recording
+    assert view.pack(1.0) == view.recording
 
 
 def test_frozen_view_ends_with_the_last_page_that_shows_it(graph: Graph) -> None:

@@ -99,7 +99,7 @@ def test_packed_recording_plays_the_same_as_an_unpacked_recording(monkeypatch: p
             now[0] += 0.1
             scene.set_transform("a", moved(float(number)))
             scene.set_object(f"b{number % 7}", Solids("box", [moved(float(number))], (1, 0, 0, 1)))
-        return recording.packed(), recording.packed(3.0)
+        return recording.pack(), recording.pack(3.0)
 
     packed = played()
     monkeypatch.setattr(scene_recording, "_LARGE", -1)

@@ -24,7 +24,7 @@ def clock() -> Clock:
 
 
 def packed(recording: SceneRecording) -> Any:
-    return decoded(recording.packed())
+    return decoded(recording.pack())
 
 
 def test_recording_starts_with_the_whole_scene_and_continues_with_timed_changes(clock: Clock) -> None:
@@ -130,12 +130,12 @@ def test_recording_of_the_last_seconds_begins_with_the_scene_at_its_start(clock:
     for x in (1.0, 2.0, 3.0):
         clock.now += 1.0
         scene.set_transform("a", moved(x))
-    data = decoded(recording.packed(1.5))
+    data = decoded(recording.pack(1.5))
     assert (data["start"], data["end"]) == (101.5, 1.5)
     assert [batch["time"] for batch in data["batches"]] == [0.0, 0.5, 1.5]
     assert [batch["matrices"][9] for batch in data["batches"]] == [1.0, 2.0, 3.0]
     clock.now += 5.0
-    assert "batches" not in decoded(recording.packed(1.5))
+    assert "batches" not in decoded(recording.pack(1.5))
 
 
 def test_recording_can_be_limited_to_an_end_time_and_fewer_frames(clock: Clock) -> None:
@@ -145,11 +145,11 @@ def test_recording_can_be_limited_to_an_end_time_and_fewer_frames(clock: Clock) 
     for x in range(1, 9):
         clock.now += 0.25
         scene.set_transform("a", moved(float(x)))
-    data = decoded(recording.packed(until=101.5, interval=0.5))
+    data = decoded(recording.pack(until=101.5, interval=0.5))
     assert data["end"] == 1.5
     assert [batch["time"] for batch in data["batches"]] == [0.0, 0.25, 0.75, 1.25]
     assert [batch["matrices"][9] for batch in data["batches"][1:]] == [2.0, 4.0, 6.0]
-    (at_first,) = decoded(recording.packed(until=100.0))["commands"][-1:]
+    (at_first,) = decoded(recording.pack(until=100.0))["commands"][-1:]
     assert at_first["path"] == "a"
 
 

@@ -55,7 +55,7 @@ def test_next_view_uses_the_open_panel_if_the_notebook_requests_one(
 ) -> None:
     side_panel.take(widget)
     assert not widget.beside, "a notebook without a panel keeps its views in the cells"
-    side_panel.is_wanted = True
+    side_panel.is_enabled = True
     side_panel.take(widget)
     panel = dock(widget, "join")
     side_panel.take(other)
@@ -77,7 +77,7 @@ def test_panel_that_was_opened_by_its_button_shows_the_next_view(
 
 
 def test_page_that_opens_the_panel_late_shows_the_last_view(widget: SceneWidget, other: SceneWidget) -> None:
-    side_panel.is_wanted = True
+    side_panel.is_enabled = True
     side_panel.take(widget)
     side_panel.take(other)
     assert panel_model(dock(widget, "join")) == other.model_id
@@ -96,7 +96,7 @@ def test_only_a_panel_that_is_still_open_is_closed_by_its_page(widget: SceneWidg
 
 
 def test_closed_panel_leaves_later_views_in_their_cells(widget: SceneWidget, other: SceneWidget) -> None:
-    side_panel.is_wanted = True
+    side_panel.is_enabled = True
     side_panel.take(widget)
     dock(widget, "join")
     dock(widget, "close")

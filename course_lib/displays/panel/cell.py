@@ -75,7 +75,7 @@ class ViewerCell:
 
         from course_lib.viewer.widget import side_panel
 
-        side_panel.is_wanted = True
+        side_panel.is_enabled = True
         side_panel.take(self._widget(viewer))
         display(viewer)
 

@@ -152,7 +152,7 @@ class AddableType(Message, frozen=True):
 
     name: str
     short: str
-    # What it draws, "" if it has no description.
+    # A description of its drawing, or "".
     about: str = ""
 
 

@@ -47,15 +47,15 @@ class RestingView(SceneWidget):
         super().__init__(
             copy_of(recording.scene),
             label="RViz replay" if plays else "RViz view at rest",
-            recording=recording.packed(seconds),
+            recording=recording.pack(seconds),
             plays=plays,
             panels=panels,
         )
 
-    def packed(self, interval: float) -> bytes:
+    def pack(self, interval: float) -> bytes:
         """Return the recording with frames at least `interval` [s] apart, while its viewer exists."""
         recording = self._source()
-        return recording.packed(*self._span, interval) if recording else self.recording
+        return recording.pack(*self._span, interval) if recording else self.recording
 
     def _repr_mimebundle_(self, **kwargs: Any) -> MimeBundle:
         bundle = super()._repr_mimebundle_(**kwargs)

@@ -149,8 +149,8 @@ BY_ARGUMENT = (
     # rt_sigaction: without SIGCHLD, the kernel would not count the times of ended processes.
     ((13, 134), 0, IF_EQUAL, (17,)),
     ((157, 167), 0, IF_EQUAL, (DUMPABLE,)),  # prctl: it would hide the open files from the template
-    # fcntl: F_SETOWN, _SETSIG, _SETOWN_EX make the kernel send signals; F_SETLEASE makes other
-    # programs wait that write a file, and F_NOTIFY watches folders.
+    # fcntl: F_SETOWN, _SETSIG, _SETOWN_EX make the kernel send signals; F_SETLEASE blocks
+    # other programs that write a file, and F_NOTIFY watches folders.
     ((72, 25), 1, IF_EQUAL, (8, 10, 15, 1024, 1026)),
     # ioctl: likewise, and TIOCSTI injects input into a terminal
     ((16, 29), 1, IF_EQUAL, (0x8901, 0x8902, 0x5412)),
@@ -371,7 +371,7 @@ class Isolation:
 MEGABYTE = 2**20
 OPEN_FILES = 128
 SPARE_SECONDS = 10  # [s] CPU time beyond the wall-clock limit, which is reached first
-EVERY = 0.05  # [s] interval of the checks of all files and of all processes together
+EVERY = 0.05  # [s] interval between the checks of total file size and memory
 KILLED_FROM = 4  # size of all files, as a multiple of their limit, from which a submission is killed
 PAGE_FAULTS = 7  # index of the minor page faults in /proc/PID/stat, counted after the name
 
@@ -564,7 +564,7 @@ def enter_namespaces() -> None:
     """
     kinds = MOUNTS | HOST_NAME | IPC | PROCESSES | NETWORKS
     try:
-        # A user namespace also has its own count of processes.
+        # A user namespace also counts its own processes.
         _unshare_users(kinds)
     except OSError:
         # Without a user namespace, only root may do this.

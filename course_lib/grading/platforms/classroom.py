@@ -116,7 +116,7 @@ def _stage_all(
     """
     lines, receipts = list[str](), dict[str, PlatformTime]()
     for clone in clones:
-        # The longest login at the end of a clone's name is the student's.
+        # The longest login at the end of a clone's name identifies the student.
         folded_name = clone.name.casefold()
         fits = [m for m in members if m.login and f"-{folded_name}".endswith(f"-{m.login}")]
         student = max(fits, key=lambda member: len(member.login)).id if fits else ""

@@ -49,12 +49,12 @@ class KitSource:
     """The source from which setup.sh installs the kit.
 
     Args:
-        words: Arguments of `pip install` in shell syntax; `$root` is the folder of the autograder.
+        pip_arguments: Arguments of `pip install` in shell syntax; `$root` is the folder of the autograder.
         name: A description for people.
         files: The kit's files in the zip, by name.
     """
 
-    words: str
+    pip_arguments: str
     name: str
     files: Mapping[str, bytes] = field(default_factory=dict)
 
@@ -402,7 +402,7 @@ def write_autograder(
     run = _script("run_autograder.sh").replace("WEEK", week).replace("HIDDEN", hidden)
     script = run.replace(" NEED", NEEDS[need] + " --show-total" * show_total)
     kit = KitSource("", "the kit") if (root / PACKAGE).is_dir() else kit_source()
-    setup = _script("setup.sh").replace("KIT ", f"{kit.words} ".lstrip())
+    setup = _script("setup.sh").replace("KIT ", f"{kit.pip_arguments} ".lstrip())
     files = {**dict(_course_files(root, week)), **kit.files}
     if roster is not None:
         if not any(member.email for member in read_class_list(roster)):

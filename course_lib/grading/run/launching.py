@@ -47,7 +47,7 @@ class RecordedLaunch(LaunchProgram):
         super().__init__(file, list(args), WITHOUT_WINDOWS, is_strict=True)
         self.nodes: list[StartedNode] = []
         self.errors: list[str] = []  # errors of the launch itself
-        self._process_errors: dict[str, str] = {}  # error texts by process
+        self._process_errors: dict[str, str] = {}  # error messages by process
         self._processes_of_nodes: dict[str, int] = {}
         self._starts_nodes = starts
 

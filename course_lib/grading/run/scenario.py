@@ -182,7 +182,7 @@ def rejection_reasons(cdr: bytes) -> list[str]:
     try:
         reply: Any = deserialize(cdr, message_class(f"{SET_PARAMETERS}_Response"))
     except Exception:
-        # The bytes come from a student's process and need not be a valid message.
+        # A student's process sent the bytes, which need not be a valid message.
         return []
     reasons = [result.reason or "(no reason)" for result in reply.results if not result.successful]
     return [reason[:LONGEST_REASON] for reason in reasons[:MOST_REJECTIONS]]
@@ -207,7 +207,7 @@ class ImageLimit:
                     raise ValueError("a point cloud with far too many fields")
                 message: Any = sample.message()
             except Exception:
-                # The bytes come from a student's process and need not be a valid image.
+                # A student's process sent the bytes, which need not be a valid image.
                 return replace(sample, cdr=b"")
             message.data = []
             return replace(sample, cdr=serialize(message))
@@ -403,7 +403,7 @@ def _enable_interrupts() -> Iterator[None]:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-MAX_PRINTED = 1_000_000  # characters kept of the output of a run in this process
+MAX_PRINTED = 1_000_000  # maximum number of output characters that are kept
 
 
 class BoundedOutput(io.StringIO):

@@ -38,7 +38,7 @@ MAX_EXTENSION = 9.0  # maximum extension of a limit, as a multiple of it
 MIN_EXTENSION = 0.1  # [s] minimum extension of a limit
 OWN_THREAD, ENDED = 0, -1  # placeholders for the ids of the calling thread, and of all ended threads
 CHILDREN_TIMES = slice(13, 15)  # times of ended children in /proc/PID/stat [ticks], counted after the name
-PROCESS_TIMES = slice(11, 15)  # these, after the times of the process with its ended threads
+PROCESS_TIMES = slice(11, 15)  # times of the process, its ended threads and its ended children [ticks]
 
 
 @dataclass(frozen=True)
@@ -229,7 +229,7 @@ class ProcessLimitError(remote.ChannelError):
     """Raised if a cell used up all processes of a submission, because each scenario needs one."""
 
 
-# Beginnings of the error texts with which Python reports that a kernel limit was reached.
+# Beginnings of the messages with which Python reports that a kernel limit was reached.
 LIMITS_MET = {
     "MemoryError": "memory",
     "RuntimeError: can't start new thread": "processes",
@@ -406,7 +406,7 @@ class SubmissionRun:
             outcome = _drive(worker.channel, stage, remote.RecordingBudget.for_duration(stage.seconds))
             return outcome, find_exceeded_limit(outcome.errors)
         except remote.ChannelError as error:
-            # After an error, further messages of this worker cannot be interpreted.
+            # After an error, further messages from this worker cannot be interpreted.
             self._worker = None
             match error:
                 case remote.ChannelTimeoutError():

@@ -397,7 +397,7 @@ def working_files(path: Path, cells: Sequence[str]) -> dict[str, str]:
 
 
 def _read_working_files(path: Path, cells: Sequence[str]) -> Iterator[tuple[str, bytes]]:
-    """Yield the files that `course submit` packed with a notebook, or those that a plain notebook names.
+    """Yield the files that `course submit` packed with a notebook, or that a plain notebook reads.
 
     The latter are in its folder, and their names occur in string literals of the cells.
     """

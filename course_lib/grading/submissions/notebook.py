@@ -63,7 +63,7 @@ class Notebook:
 
 
 def format_of(data: bytes) -> str:
-    """Return what a file of another format looks like, such as "it is a PDF", or ""."""
+    """Return the detected format of a file that is not a notebook, as "it is a PDF", or ""."""
     start = data.lstrip()[:4].lower()
     kinds = (text for first, text in LOOKS_LIKE.items() if start.startswith(first))
     return next(kinds, "" if start else "it is empty")

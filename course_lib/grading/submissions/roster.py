@@ -409,7 +409,7 @@ def read_times(path: Path, zone: ZoneInfo, numbers: Collection[str]) -> Times | 
 
 
 def _find_unreadable(file: LmsFile, path: Path, rows: Sequence[int]) -> Times | None:
-    """Return a `Times` without entries that names a column of unreadable times, or None."""
+    """Return a `Times` without entries for a column of unreadable times, or None."""
     for column in range(len(file.headings)):
         time_texts = [cell for row in rows if looks_like_time(cell := file.text(row, column))]
         if time_texts and 2 * len(time_texts) >= len(rows):

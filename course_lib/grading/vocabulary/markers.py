@@ -776,13 +776,13 @@ def _compare_points(marker: Any, expected: Points, tolerance: float) -> Iterator
         for verb, point, target in zip(("begins", "ends"), points, expected, strict=True):
             if not is_close(math.dist(point, target), 0.0, tolerance):
                 yield f" {verb} at {format_numbers(point)} m, expected {format_numbers(target)} m"
-    elif unmatched := _find_unmatched(expected, points, tolerance):
+    elif unmatched := _find_unmatched_points(expected, points, tolerance):
         nearest = min(points, key=lambda point: _distance(point, unmatched[0]))
         yield (
             f" has no point at {format_numbers(unmatched[0])} m; the nearest is at "
             f"{format_numbers(nearest)} m"
         )
-    elif strange := _find_unmatched(points, expected, tolerance):
+    elif strange := _find_unmatched_points(points, expected, tolerance):
         yield f" has a point at {format_numbers(strange[0])} m, which is not expected"
 
 
@@ -811,7 +811,7 @@ def _distance(point: Sequence[float], other: Sequence[float]) -> float:
     return math.inf if math.isnan(distance) else distance
 
 
-def _find_unmatched(points: Points, candidates: Points, tolerance: float) -> list[Sequence[float]]:
+def _find_unmatched_points(points: Points, candidates: Points, tolerance: float) -> list[Sequence[float]]:
     return [
         p for p in points if not any(is_close(math.dist(p, other), 0.0, tolerance) for other in candidates)
     ]

@@ -46,7 +46,7 @@ PERIOD_TOLERANCE = 0.02
 LEAST_TURN = math.pi  # [rad] minimum angle for a path to count as a circle
 # [rad]: with larger steps between messages, the direction of rotation is ambiguous.
 LARGEST_STEP = math.pi / 2
-STILL = 1e-6  # [rad] between two messages
+STILL = 1e-6  # [rad] a smaller step between two messages counts as no motion
 NAMING = ("type", "ns", "id")
 NOT_MOVING = "a marker does not move as expected"
 # Kinds of mistakes by the exception of tf2.

@@ -62,7 +62,7 @@ DISCOVERY_MESSAGE, NODE_INFO, GID = (
 )
 # Topic, type and QoS of the messages that list a participant's nodes and their endpoints.
 DISCOVERY = ("ros_discovery_info", dds_type(DISCOVERY_MESSAGE), Qos(depth=1, durability="transient_local"))
-# The GUIDs of the endpoints of each node, which has a namespace and a name.
+# Endpoint GUIDs by node, which is a pair of namespace and name.
 NodeEndpoints = dict[tuple[str, str], list[bytes]]
 TYPE_HASH = re.compile(rb"typehash=(RIHS01_[0-9a-f]{64});")
 

@@ -105,7 +105,7 @@ class Participant:
         # Wall time of the last datagram of a known participant [s].
         self._heard_at = 0.0
         first_port = PORT_BASE + PORTS_PER_DOMAIN * domain + FIRST_UNICAST
-        # The ports of the participants of one computer.
+        # The ports that participants on one computer use.
         self._ports = range(first_port, first_port + 2 * PORT_ATTEMPTS, 2)
         self._probe, self._probe_error = socket_towards(peer, first_port), 0
         # A datagram without submessages only probes whether the first participant's port is open.
@@ -116,7 +116,7 @@ class Participant:
         self._peer = self.current_peer = peer
         self._entities = itertools.count(1)
         # Own endpoints by entity id.
-        self._own: dict[bytes, Writer | Reader] = {}
+        self._own_endpoints: dict[bytes, Writer | Reader] = {}
         # The own readers of each remote writer whose messages are addressed to all readers; cleared
         # before endpoints are matched or removed.
         self._readers_by_writer: dict[bytes, list[Reader]] = {}
@@ -131,13 +131,13 @@ class Participant:
         # Held by the thread that receives.
         self._receiving = _thread.allocate_lock()
         # Wall time until which a thread of the program receives [s].
-        self._covered_until = 0.0
+        self._covered_end = 0.0
         # Datagrams whose processing was interrupted, and their senders' addresses.
         self._interrupted: deque[tuple[bytes, str]] = deque(maxlen=MAX_DATAGRAMS)
         for kind, pair in SEDP.items():
             writer, reader = (Endpoint(self.prefix + entity, "", "", DISCOVERY_QOS) for entity in pair)
             self._announcers[kind] = announcer = Writer(self, writer)
-            self._own |= {pair[0]: announcer, pair[1]: Reader(self, reader, self._on_sedp)}
+            self._own_endpoints |= {pair[0]: announcer, pair[1]: Reader(self, reader, self._on_sedp)}
         self.is_open = True
         _thread.start_new_thread(self._run, ())
 
@@ -172,7 +172,7 @@ class Participant:
         endpoint = own.endpoint
         with self.lock:
             self._readers_by_writer.clear()
-            self._own[endpoint.guid[PREFIX_SIZE:]] = own
+            self._own_endpoints[endpoint.guid[PREFIX_SIZE:]] = own
             description = wire.describe(endpoint, self.guid, self._own_locator)
             self._announcers[endpoint.kind].write(description)
             for remote in tuple(self._endpoints.values()):
@@ -182,7 +182,7 @@ class Participant:
     def readers(self) -> list[Reader]:
         """Return the readers of this participant."""
         with self.lock:
-            return [own for own in self._own.values() if isinstance(own, Reader)]
+            return [own for own in self._own_endpoints.values() if isinstance(own, Reader)]
 
     def write(self, writer: Writer, data: bytes, inline_qos: bytes = b"") -> int:
         """Publish a message and return its sequence number. May be called from any thread."""
@@ -193,7 +193,7 @@ class Participant:
         """Remove a writer or a reader from the network."""
         with self.lock:
             self._readers_by_writer.clear()
-            self._own.pop(endpoint.guid[PREFIX_SIZE:], None)
+            self._own_endpoints.pop(endpoint.guid[PREFIX_SIZE:], None)
             if self.is_open:
                 self._announcers[endpoint.kind].write(*wire.disposal(Pid.ENDPOINT, endpoint.guid))
 
@@ -205,7 +205,7 @@ class Participant:
         deadline = wall.monotonic() + LINGER_SECONDS
         while self.is_open and wall.monotonic() < deadline:
             with self.lock:
-                writers = [own for own in self._own.values() if isinstance(own, Writer)]
+                writers = [own for own in self._own_endpoints.values() if isinstance(own, Writer)]
                 if not any(writer.unacknowledged_readers() for writer in writers):
                     break
             wall.sleep(POLL_SECONDS)
@@ -286,7 +286,7 @@ class Participant:
             for writer, reader in SEDP.values():
                 for own, entity in ((writer, reader), (reader, writer)):
                     endpoint = Endpoint(prefix + entity, "", "", DISCOVERY_QOS, locators=builtin)
-                    self._own[own].match(endpoint)
+                    self._own_endpoints[own].match(endpoint)
             locators = _locators_at(host, parameters.locators(Pid.DEFAULT_UNICAST) or locators)
             self.remotes[prefix] = RemoteParticipant(host, locators, lease_end)
 
@@ -308,7 +308,7 @@ class Participant:
         if remote.host == host:
             return
         # Its endpoints keep their state, so that no message is lost or delivered twice.
-        for matched in [matched for own in self._own.values() for matched in own.matched.values()]:
+        for matched in [matched for own in self._own_endpoints.values() for matched in own.matched.values()]:
             if matched.endpoint.guid[:PREFIX_SIZE] == prefix:
                 locators = _locators_at(host, matched.endpoint.locators)
                 matched.endpoint = replace(matched.endpoint, locators=locators)
@@ -354,12 +354,12 @@ class Participant:
             self._on_endpoint(endpoint, True)
             self._endpoints[guid] = endpoint
         self._readers_by_writer.clear()
-        for own in tuple(self._own.values()):
+        for own in tuple(self._own_endpoints.values()):
             _match(own, endpoint)
 
     def _remove_endpoint(self, guid: bytes) -> None:
         self._readers_by_writer.clear()
-        for own in self._own.values():
+        for own in self._own_endpoints.values():
             own.matched.pop(guid, None)
         if guid in self._endpoints:
             self._on_endpoint(self._endpoints[guid], False)
@@ -384,7 +384,7 @@ class Participant:
             with self.lock:
                 if now >= next_heartbeat:
                     next_heartbeat = now + HEARTBEAT_SECONDS
-                    for own in self._own.values():
+                    for own in self._own_endpoints.values():
                         own.tick()
                     if self.silent_seconds() > ASK_SECONDS:
                         # An idle robot announces itself only every few seconds.
@@ -394,8 +394,8 @@ class Participant:
                     self.receive(*self._interrupted.popleft())
             now = wall.monotonic()
             wait = max(0.0, min(next_announcement, next_heartbeat) - now)
-            if now < self._covered_until:
-                wall.sleep(min(wait, self._covered_until - now))
+            if now < self._covered_end:
+                wall.sleep(min(wait, self._covered_end - now))
             else:
                 with self._receiving:
                     self._receive_all(wait)
@@ -413,14 +413,14 @@ class Participant:
         Return False immediately if the participant's thread is receiving. It stops after the next
         datagram.
         """
-        self._covered_until = wall.monotonic() + seconds + HANDOVER_SECONDS
+        self._covered_end = wall.monotonic() + seconds + HANDOVER_SECONDS
         if not self._receiving.acquire(blocking=False):
             return False
         try:
             self._receive_all(seconds)
         finally:
             self._receiving.release()
-            self._covered_until = wall.monotonic() + HANDOVER_SECONDS
+            self._covered_end = wall.monotonic() + HANDOVER_SECONDS
         return True
 
     def _receive_all(self, seconds: float) -> None:
@@ -494,7 +494,7 @@ class Participant:
                     own.on_heartbeat(guid, number, end, *count, is_final=is_final)
                 else:
                     own.on_gap(guid, number, end, received.numbers(24, end))
-        elif isinstance(addressed := self._own.get(writer), Writer):
+        elif isinstance(addressed := self._own_endpoints.get(writer), Writer):
             if kind == wire.ACKNACK:
                 addressed.on_acknack(source + reader, number, received.numbers(16, number), is_final=is_final)
             else:
@@ -511,7 +511,7 @@ class Participant:
                 if readers:
                     self._readers_by_writer[writer] = readers
             return readers
-        own = self._own.get(entity)
+        own = self._own_endpoints.get(entity)
         return [own] if isinstance(own, Reader) and writer in own.matched else []
 
 

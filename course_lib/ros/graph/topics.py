@@ -146,7 +146,7 @@ class EndpointInfo:
     topic: str
     type_name: str
     qos: Qos
-    # GID and type hash of an endpoint of a robot, as discovery transmits them.
+    # GID and type hash of a robot's endpoint, as discovery transmits them.
     remote_gid: bytes = b""
     remote_type_hash: str = ""
 

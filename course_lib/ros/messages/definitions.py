@@ -208,7 +208,7 @@ def add_stored_definition(type_name: str, text: str) -> None:
             defaults |= interface_files.parse_defaults(content, file)
     except (CourseError, TypesysError, ValueError, RecursionError):
         return
-    # Classes and readers are compiled with the names of fields.
+    # Field names become part of compiled Python code.
     names = (name for _, fields in stored.values() for name, _ in fields)
     if not all(name.isascii() and name.isidentifier() and not iskeyword(name) for name in names):
         return

@@ -382,7 +382,7 @@ def compile_function(
 ) -> Callable[..., Any]:
     """Compile a function from these lines, with `scope` as its globals."""
     lines = "\n".join(f"    {line}" for line in body)
-    # All names come from validated definitions, so the source cannot contain other code.
+    # All names are from validated definitions, so the source cannot contain other code.
     source = f"def {name}({arguments}):\n{lines}"
     # The file name is in the kit, so that tracebacks leave its frames out.
     exec(compile(source, f"{__file__}:{name}", "exec"), scope)

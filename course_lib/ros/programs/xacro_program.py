@@ -107,7 +107,7 @@ def expand_xacro(path: Path, arguments: Mapping[str, object]) -> str:
     return result.output
 
 
-# xacro's errors, and what to do next. {1} is the first group.
+# xacro's errors, with advice. {1} is the first group.
 _ADVICE = (
     (
         r"Undefined parameters \[(.+)\]",
@@ -129,7 +129,7 @@ _ADVICE = (
 
 
 def _advise(path: Path, errors: str) -> str:
-    """Return what to change in a file that xacro cannot expand, or ""."""
+    """Return advice for a file that xacro cannot expand, or ""."""
     text = read_text(_file_of_error(path, errors), errors="replace")
     if found := re.search(r"XML parsing error: (.+): line (\d+), column (\d+)", errors):
         code = xml_codes.get(found[1])

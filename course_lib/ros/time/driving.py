@@ -278,7 +278,7 @@ class _LiveRuns:
         if self.task is None or self.task.done():
             self.task = asyncio.get_running_loop().create_task(_LiveLoop(graph).run())
 
-    def stop_finished(self) -> None:
+    def stop_finished_runs(self) -> None:
         """Stop the runs whose nodes no longer exist."""
         for run in tuple(self.runs):
             if run.is_over():
@@ -318,7 +318,7 @@ def start_live_run(run: LiveRun) -> LiveRun:
             say(f"No page is watching: ran {WITHOUT_A_PAGE:g} s of robot time at full speed.")
     run.started_ns = graph.now_ns
     live = graph.state(_LiveRuns)
-    live.stop_finished()
+    live.stop_finished_runs()
     live.runs.append(run)
     running_nodes().extend(run.nodes)
     if pace.mode() == "real":
@@ -330,7 +330,7 @@ def start_live_run(run: LiveRun) -> LiveRun:
 def live_runs(graph: Graph) -> tuple[LiveRun, ...]:
     """List the live runs."""
     live = graph.state(_LiveRuns)
-    live.stop_finished()
+    live.stop_finished_runs()
     return tuple(live.runs)
 
 
@@ -399,7 +399,7 @@ class _LiveLoop:
         try:
             while self._should_continue():
                 await asyncio.sleep(STEP)
-                self._live.stop_finished()
+                self._live.stop_finished_runs()
                 if self._should_continue():
                     self._step()
                 self._presence.update_states(tuple(self._live.runs))

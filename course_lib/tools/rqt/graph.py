@@ -211,14 +211,14 @@ class GraphView(RqtView):
             "".join(shapes), *layers.size, f"{format_count(len(nodes), 'node')}. {', '.join(links)}"
         )
 
-    def _is_shown(self, name: str, kind: str) -> bool:
+    def _is_displayed(self, name: str, kind: str) -> bool:
         is_hidden = any(rule.match(name) and self[f"Hide {kind_name}"] for kind_name, rule in _KINDS.items())
         return not is_hidden and matches_filter(name, self[f"{kind} filter"])
 
     def _names(self) -> dict[int, str]:
         """Return the full names of the shown nodes by id."""
         full = {node.id: node.full_name for node in self.graph.nodes()}
-        return {number: name for number, name in full.items() if self._is_shown(name, "Node")}
+        return {number: name for number, name in full.items() if self._is_displayed(name, "Node")}
 
     def _endpoints(self) -> dict[str, list[EndpointInfo]]:
         """Return the endpoints of shown topics at shown nodes.
@@ -228,7 +228,7 @@ class GraphView(RqtView):
         names, endpoints_by_topic = self._names(), dict[str, list[EndpointInfo]]()
         for info in self.graph.endpoints():
             topic = re.sub("/_action/.*", "/action_topics", info.topic)
-            if info.service is None and info.node in names and self._is_shown(topic, "Topic"):
+            if info.service is None and info.node in names and self._is_displayed(topic, "Topic"):
                 endpoints_by_topic.setdefault(topic, []).append(info)
         shown_endpoints = {}
         for topic, endpoints in sorted(endpoints_by_topic.items()):

@@ -166,7 +166,7 @@ class TopicView(RqtView):
     def _row(self, topic: str) -> Any:
         from ipywidgets import HTML, HBox, ToggleButton, VBox
 
-        button = ToggleButton(topic in self.words, description=topic, tooltip=f"Value of {topic}")
+        button = ToggleButton(topic in self.arguments, description=topic, tooltip=f"Value of {topic}")
         button.layout.width = "210px"
         button.add_class("rqt-topic")
         button.observe(lambda _: self.run_soon(self.refresh), "value")
@@ -401,7 +401,7 @@ class PlotView(RqtView):
         self._start_ns = self.graph.now_ns
         self.curves: dict[str, tuple[FieldPath, deque[tuple[float, float]]]] = {}
         hint, wide = "/topic/field /topic/list[0]", {"width": "480px"}
-        topics = Text(" ".join(self.words), description="Topics", placeholder=hint, layout=wide)
+        topics = Text(" ".join(self.arguments), description="Topics", placeholder=hint, layout=wide)
         topics.continuous_update = False
         self.add(topics, self._choose)
         self.add_check("Pause")
@@ -492,9 +492,9 @@ class BagView(RqtView):
         # Imported here because anywidget is slow to import.
         from course_lib.controls import Slider
 
-        if len(self.words) != 1:
+        if len(self.arguments) != 1:
             raise CourseError("Add the folder of a bag from ros2 bag record: %rqt bag FOLDER")
-        self._recording = read_bag(Path(self.words[0]))
+        self._recording = read_bag(Path(self.arguments[0]))
         self._samples = self._recording.samples
         self._times = np.array([s.stamp_ns for s in self._samples], np.int64) - self._recording.start_ns
         self._topics = {topic.name: topic for topic in self._recording.topics()}

@@ -73,7 +73,7 @@ def _show(view: RqtView) -> None:
     Without a page, the view receives messages for a fixed time and is displayed as a picture.
     """
     opened = current_graph().state(OpenViews).by_arguments
-    key = (view.name, *view.words)
+    key = (view.name, *view.arguments)
     # A cell that is run again replaces its view.
     if key in opened:
         opened.pop(key).close()

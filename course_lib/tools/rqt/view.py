@@ -114,7 +114,7 @@ class RqtView:
         from ipywidgets import HTML
 
         self.graph, self.source = graph, GraphSource(graph)
-        self.words = list(words)
+        self.arguments = list(words)
         self.controls: dict[str, Any] = {}
         # This element scrolls, so that its scroll position survives new pictures.
         self.screen = HTML(tabbable=True)
@@ -244,7 +244,7 @@ class RqtView:
 
     def target(self) -> str | None:
         """Return the full name of the node or service in the first argument, or None."""
-        return "/" + self.words[0].strip("/") if self.words else None
+        return "/" + self.arguments[0].strip("/") if self.arguments else None
 
     def check_time(self) -> None:
         """Raise a CourseError while robot time is paused, because no node can respond."""

@@ -19,7 +19,7 @@ HIDDEN_TOPIC_PREFIX = "_"
 TOPIC_SEPARATOR_STRING = "/"
 Kind = Literal["topic", "service"]
 _ERRORS = {"topic": InvalidTopicNameException, "service": InvalidServiceNameException}
-# Patterns of invalid names and their error texts. The first match is reported.
+# Patterns of invalid names with their messages. The first match is reported.
 Rules = tuple[tuple[str, str], ...]
 
 # The error points at the group "at" of a match or, without such a group, at the match's beginning.

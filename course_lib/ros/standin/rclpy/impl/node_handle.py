@@ -189,7 +189,7 @@ def enter_graph(context: Context, name: str, namespace: str, arguments: Argument
     name = arguments.remap_node(name, "__node", name)
     remapped = arguments.remap_node(name, "__ns", "")
     if remapped.endswith("/") and remapped != "/":
-        # The text is rcl's.
+        # The message is from rcl.
         text = "invalid node namespace: node name must not start with a number"
         raise RCLError(f"error creating node: {text}")
     namespace = remapped or namespace

@@ -147,7 +147,8 @@ class ParameterStore:
         for allows in self.on_set_callbacks:
             result = allows(parameters)
             if not isinstance(result, SetParametersResult):
-                # rclpy's warning names a line of rclpy, which does not help to find the callback.
+                # rclpy's warning contains a line of rclpy, which does not help to find the
+                # callback.
                 code = getattr(allows, "__code__", self.change.__code__)
                 place = code.co_filename, code.co_firstlineno
                 warnings.warn_explicit(_NO_RESULT, UserWarning, *place)
