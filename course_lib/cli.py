@@ -732,7 +732,7 @@ def view(
     # --use-sim-time uses the /clock of a robot.
     elif to is None or bag is not None:
         raise CourseError(
-            "Choose what to display: --bag folder, or --robot dds/HOST (also for --use-sim-time)."
+            "Nothing to display: add --bag folder, or --robot dds/HOST. --use-sim-time needs one, too."
         )
     else:
         render.view_robot(to, rviz, port=port, token=token, browser=browser, use_sim_time=use_sim_time)

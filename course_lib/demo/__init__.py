@@ -40,7 +40,7 @@ def demo(out: Path) -> None:
         f"[bold]1. Run[/bold] {PROGRAM.name}, an ordinary rclpy program, for {SECONDS:g} s of robot time:"
     )
     run([PROGRAM], seconds=SECONDS, seed=0, bag=bag, args=(), real_time=False)
-    console.print("\n[bold]2. Draw[/bold] what it published, as RViz would:")
+    console.print("\n[bold]2. Draw[/bold] its message, as RViz would:")
     for files in ({"png": out / "red_cube.png", "html": None}, {"png": None, "html": out / "red_cube.html"}):
         report = render_bag(bag, rviz=None, at=None, size=size, **files)
         console.print(report.splitlines()[0], markup=False)

@@ -227,7 +227,7 @@ def find_student(users: Sequence[GatewayUser], query: str) -> GatewayUser:
     if [user.student for user in users if user.name != ROBOT] == [GUEST]:
         raise CourseError(
             f"--driver {query}: this folder has no class. Start the gateway with --students CSV, "
-            "or pass the --folder of the one that has a class"
+            "or pass the --folder of a gateway with a class"
         )
     raise CourseError(
         f"--driver {query}: no such student. The file {TOKENS} in the gateway's folder lists all "

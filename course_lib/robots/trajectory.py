@@ -266,7 +266,7 @@ class SimulatedJoints:
         self.speed = np.array([joint.velocity for joint in joints])
         for name, position in start.items():
             if name not in self.names:
-                raise CourseError(f"There is no joint {name!r} to start; there are {', '.join(self.names)}.")
+                raise CourseError(f"start: there is no joint {name!r}, only {', '.join(self.names)}.")
             i = self.names.index(name)
             if not self.lower[i] <= position <= self.upper[i]:
                 limits = f"{self.lower[i]:.3f} … {self.upper[i]:.3f}"

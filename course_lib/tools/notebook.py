@@ -96,7 +96,7 @@ def run_pipeline(line: str, ros2: Callable[[Sequence[str], Write], None], write:
             write = stack.enter_context(pipe_through(filters, write)) if filters else write
         # Programs cannot be started during grading.
         except PermissionError:
-            write(f"No program may be started here; the input of {filters[0][0]} would be:\n")
+            write(f"Programs cannot be started here. The input of {filters[0][0]} would be:\n")
         # A program prints to standard output itself.
         if arguments[:1] == ["run"] and (filters or target):
             stack.enter_context(redirect_stdout(_CallbackStream(write)))

@@ -140,7 +140,7 @@ def ros2_over(
                 f"--run {' '.join(words) if len(words) > 1 else f'{words[0]} topic list'}"
             )
         examples = (f"course ros2 {where} {words[0]} …" for where in _WHERE)
-        raise CourseError(f"Choose what to inspect: {', or '.join(examples)}")
+        raise CourseError(f"Nothing to inspect. Write: {', or '.join(examples)}")
     if (files or starts or robot) and not needs_nothing:
         tool = partial(ros2, words, write=sys.stdout.write)
         graph = _graph(robot)

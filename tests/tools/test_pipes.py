@@ -99,7 +99,7 @@ def test_output_is_unfiltered_where_subprocesses_are_forbidden(monkeypatch: pyte
 
     monkeypatch.setattr("subprocess.Popen", refuse)
     assert output("topic list | wc -l | cat") == (
-        f"No program may be started here; the input of wc would be:\n{TOPICS}"
+        f"Programs cannot be started here. The input of wc would be:\n{TOPICS}"
     )
 
 

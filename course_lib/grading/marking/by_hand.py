@@ -185,7 +185,7 @@ def _number(points: str) -> float:
     try:
         return float(points)
     except ValueError as error:
-        raise CourseError(f"{points!r} is not a number of points") from error
+        raise CourseError(f"{points!r} is not a number of points, expected one like 12.5") from error
 
 
 def _find_name(name: str, folder: Path, kind: str) -> str:

@@ -180,7 +180,7 @@ def run(job: Job) -> StoredRun:
             except (OSError, WorkerError) as error:
                 # The template may have been killed before or during its start.
                 why = error
-    raise WorkerError(f"no worker can be started, or it was killed, {TRIES} times: {why}") from why
+    raise WorkerError(f"a worker did not start, or was killed, in {TRIES} attempts: {why}") from why
 
 
 def run_scenarios(job: Job) -> ExerciseRun:

@@ -175,7 +175,7 @@ def split_definitions(type_name: str, text: str) -> dict[str, str]:
         )
         if match is None:
             raise CourseError(
-                f"The bag names a definition {heading!r:.100}, and not like 'MSG: my_msgs/Name'."
+                f"A definition in the bag begins with {heading!r:.100}, expected 'MSG: my_msgs/Name'."
             )
         suffix = match[1].lower()
         folder = match[3] or ("srv" if suffix == "srv" else "msg")

@@ -260,7 +260,7 @@ NAMES = [
         "rclpy.init_node('a')",
         "AttributeError: module 'rclpy' has no attribute 'init_node'",
         "call `rclpy.init()` first, then create an object of your class, in which "
-        "`super().__init__('a_name')` names the node.",
+        "`super().__init__('a_name')` sets the node's name.",
     ),
     (
         "rclpy.get_time()",

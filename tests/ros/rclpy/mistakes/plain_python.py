@@ -349,7 +349,7 @@ PLAIN_PYTHON = [
     (
         "from sensor_msgs.msg import JointState\nJointState().position[0] = 1.0",
         "IndexError: array assignment index out of range",
-        "the array is shorter, and empty in a new message. Set the whole field at once: "
+        "the array is shorter, and empty in a new message. Set the whole field in one step: "
         "`state.position = [0.1, 0.2]`.",
     ),
     (
@@ -933,7 +933,7 @@ PLAIN_PYTHON = [
         "import numpy as np\nmatrix = np.eye(4)\nmatrix[:3, 3] = [[1.0], [2.0], [3.0]]",
         "ValueError: setting an array element with a sequence. The requested array would exceed "
         "the maximum number of dimension of 1.",
-        "one number is needed for each place, and a list stands there: print .shape of both sides.",
+        "each item must be a single number, and one of them is a list: print .shape of both sides.",
     ),
     (
         "round('1.5')",
@@ -951,12 +951,12 @@ PLAIN_PYTHON = [
         "open('data.csv')",
         "FileNotFoundError: [Errno 2] No such file or directory: 'data.csv'",
         "a file name without a folder is looked up where the program was started, and in a "
-        "notebook beside it: `os.listdir()` lists the files there.",
+        "notebook next to it: `os.listdir()` lists the files there.",
     ),
     (
         "values = {'a': 1, 'b': 2}\nfor key in values:\n    del values[key]",
         "RuntimeError: dictionary changed size during iteration",
-        "the loop changes what it loops over: loop over a copy, as in `for item in list(items)`.",
+        "the loop changes its own list: loop over a copy, as in `for item in list(items)`.",
     ),
     (
         "r, g, b = 'gray'",
