@@ -43,7 +43,7 @@ def test_kit_from_a_public_origin_is_required_by_version(
     tmp_path: Path, direct: dict[str, Any] | None, words: str
 ) -> None:
     source = kit_source(installed(tmp_path, direct))
-    assert (source.words, source.files) == (words, {})
+    assert (source.pip_arguments, source.files) == (words, {})
 
 
 def test_local_wheel_of_the_kit_is_included(tmp_path: Path) -> None:
@@ -51,7 +51,7 @@ def test_local_wheel_of_the_kit_is_included(tmp_path: Path) -> None:
     wheel.parent.mkdir()
     wheel.write_bytes(b"PK")
     source = kit_source(installed(tmp_path, {"url": wheel.as_uri(), "archive_info": {}}))
-    assert source.words == f'"$root/source/kit/{wheel.name}"'
+    assert source.pip_arguments == f'"$root/source/kit/{wheel.name}"'
     assert source.files == {f"kit/{wheel.name}": b"PK"}
 
 
@@ -59,7 +59,7 @@ def test_checkout_of_the_kit_is_included_without_answers(tmp_path: Path) -> None
     checkout = Path(__file__).parents[2]
     direct = {"url": checkout.as_uri(), "dir_info": {"editable": True}}
     source = kit_source(installed(tmp_path, direct))
-    assert source.words == '-e "$root/source/kit"'
+    assert source.pip_arguments == '-e "$root/source/kit"'
     assert {"kit/pyproject.toml", "kit/course_lib/__init__.py"} <= source.files.keys()
     assert not [name for name in source.files if name.startswith(("kit/solutions", "kit/tests"))]
 

@@ -101,7 +101,7 @@ def test_reliable_messages_arrive_once_and_in_order_despite_lost_datagrams(
 
 def writer_of(graph: RobotGraph, topic: str) -> Writer:
     """Return the GUID of a link's writer on a topic."""
-    own = dds_link(graph).participant._own.values()
+    own = dds_link(graph).participant._own_endpoints.values()
     return next(one for one in own if isinstance(one, Writer) and one.endpoint.topic == topic)
 
 
@@ -501,13 +501,13 @@ def test_endpoints_of_a_robot_have_the_gids_that_its_discovery_transmits(kits: D
     kits.until(lambda: {"/chatter", "/orders"} <= {e.topic for e in student.endpoints()}, "the robot")
     gids = {info.topic: info.gid for info in student.endpoints()}
     participant = dds_link(robot).participant
-    endpoints = [own.endpoint for own in participant._own.values()]
+    endpoints = [own.endpoint for own in participant._own_endpoints.values()]
     guids = {endpoint.topic: endpoint.guid for endpoint in endpoints}
     assert (gids["/chatter"], gids["/orders"]) == (guids["rt/chatter"], guids["rt/orders"])
 
 
 def written_topics(participant: Any) -> list[str]:
-    return [own.endpoint.topic for own in participant._own.values() if isinstance(own, Writer)]
+    return [own.endpoint.topic for own in participant._own_endpoints.values() if isinstance(own, Writer)]
 
 
 def test_closed_port_is_reported_once_as_a_computer_without_a_program(
