@@ -87,6 +87,9 @@ PROBES: dict[str, dict[str, Difference]] = {
         "name.as_bytes": Difference(_BYTES_AS_NAMES, "TypeError: rclpy_resolve_name(): incompatible"),
         "name.of_dds": Difference(_DDS_NAMES, "False"),
     },
+    "remaining": {
+        "deprecated_module": Difference("The module `rclpy.qos_event`", "(0, ["),
+    },
     "graphs": {
         "heard.info": Difference("Numbers in `MessageInfo`", "'source_timestamp'], None)"),
         "profile.depth_float": Difference(

@@ -81,6 +81,8 @@ class TopicEndpointInfo:
             raise AssertionError(f"Invalid arguments passed to constructor: {kwargs.keys()!r}")
         for name, default in defaults.items():
             value = kwargs.get(name, default)
+            if name == "endpoint_type" and isinstance(value, int):
+                value = TopicEndpointTypeEnum(value)
             if not isinstance(value, type(default)):
                 raise AssertionError
             setattr(self, name, value)
