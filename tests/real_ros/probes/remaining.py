@@ -1,5 +1,8 @@
-# mypy: ignore-errors - most arguments are wrong on purpose
-"""Corners of clocks, wait_for_message, parameter clients and events, names, and durations."""
+# mypy: ignore-errors
+"""Corners of clocks, waiting, parameter clients and events, names and durations.
+
+Most arguments are wrong on purpose, so this file has no types to check.
+"""
 
 import math
 import warnings
