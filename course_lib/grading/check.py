@@ -10,8 +10,8 @@ from typing import Any
 
 from course_lib.course.exercise import current_identity
 from course_lib.course.questions import show
-from course_lib.course.state import save_check, student_state
-from course_lib.errors import CourseError
+from course_lib.course.state import last_check, save_check, student_state
+from course_lib.errors import CourseError, join_words
 from course_lib.grading.advice import Advice
 from course_lib.grading.caught_errors import CaughtErrors
 from course_lib.grading.evidence import Evidence
@@ -122,16 +122,24 @@ def save_progress(task: Task, result: TaskResult, cells: Sequence[str], student:
 
 
 def next_step(catalog: Catalog, task: Task) -> str:
-    """Return the sentence after a task that has passed: its next task, or how to hand in after the last."""
-    tasks = catalog.tasks_of_week(task.week)
-    place = tasks.index(task) + 1
-    if place == len(tasks):
-        command = f"course submit {task.week}_exercise.ipynb"
-        return f"This was the last task. To hand in, type in a terminal: {command}"
-    _, is_bonus = catalog.points(tasks[place])
-    title = tasks[place].title
-    end = "" if title.endswith("?") else "."
-    return f"Next is task {place + 1}{' for a bonus' if is_bonus else ''}: {title}{end}"
+    """Return the sentence after a task that has passed: the next task, or how to hand in.
+
+    Tasks that have passed are left out. After the last task, the sentence names the tasks before
+    it that have not passed.
+    """
+    tasks, state = catalog.tasks_of_week(task.week), student_state()
+    place = tasks.index(task)
+    checks = [last_check(state, other.id) for other in tasks]
+    open_places = [i for i, last in enumerate(checks) if i != place and not (last and last.passed)]
+    following = next((i for i in open_places if i > place), None)
+    if following is not None:
+        _, is_bonus = catalog.points(tasks[following])
+        title = tasks[following].title
+        end = "" if title.endswith("?") else "."
+        return f"Next is task {following + 1}{' for a bonus' if is_bonus else ''}: {title}{end}"
+    still_open = join_words([f"task {i + 1}" for i in open_places])
+    begin = f"Still open: {still_open}." if still_open else "All tasks have passed."
+    return f"{begin} To hand in, type in a terminal: course submit {task.week}_exercise.ipynb"
 
 
 def _mix_up_note(

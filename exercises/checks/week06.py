@@ -347,7 +347,7 @@ FINDINGS = Task(
 )
 
 TIMES = ("mean time", "longest time", "fraction without a detection")
-ONE_OF_TWO = expect_value([0.05, 0.05, 0.5], call=0, name="one of two images", parts=TIMES)
+ONE_OF_TWO = expect_value([0.05, 0.05, 0.5], call=0, name="the answer for one of two images", parts=TIMES)
 
 LATENCY = Task(
     "week06.detection_latency",
@@ -372,11 +372,24 @@ LATENCY = Task(
             ),
             checks=lightly(
                 ONE_OF_TWO,
-                expect_value([0.06, 0.09, 1 / 3], call=1, name="two of three images", parts=TIMES),
-                expect_value([0.05, 0.05, 0.5], call=2, name="a detection of a strange image", parts=TIMES),
-                expect_value([0.05, 0.05, 0.5], call=3, name="stamps that differ by 0.3 ms", parts=TIMES),
-                expect_value([0.0, 0.0, 1.0], call=4, name="no detection", parts=TIMES).requiring(ONE_OF_TWO),
-                expect_value([0.0, 0.0, 0.0], call=5, name="no image", parts=TIMES).requiring(ONE_OF_TWO),
+                expect_value(
+                    [0.06, 0.09, 1 / 3], call=1, name="the answer for two of three images", parts=TIMES
+                ),
+                expect_value(
+                    [0.05, 0.05, 0.5],
+                    call=2,
+                    name="the answer for a detection of a strange image",
+                    parts=TIMES,
+                ),
+                expect_value(
+                    [0.05, 0.05, 0.5], call=3, name="the answer for stamps that differ by 0.3 ms", parts=TIMES
+                ),
+                expect_value(
+                    [0.0, 0.0, 1.0], call=4, name="the answer for no detection", parts=TIMES
+                ).requiring(ONE_OF_TWO),
+                expect_value([0.0, 0.0, 0.0], call=5, name="the answer for no image", parts=TIMES).requiring(
+                    ONE_OF_TWO
+                ),
             ),
         ),
     ),

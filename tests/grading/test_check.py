@@ -12,7 +12,7 @@ import pytest
 import course_lib.grading.check as check_module
 from course_lib.course.exercise import read_notebook, source
 from course_lib.course.material import exercises_dir
-from course_lib.course.state import student_state
+from course_lib.course.state import save_check, student_state
 from course_lib.errors import CourseError
 from course_lib.grading import expect_value, inputs, my
 from course_lib.grading.advice import Advice, call_note
@@ -103,6 +103,18 @@ def test_next_steps_follow_the_order_of_the_tasks(exercise: Path) -> None:
         for (number, stretch), task in zip(headings[1:], tasks[1:], strict=True)
     ]
     assert f"course submit {exercise.name}" in steps[-1]
+
+
+def test_next_step_leaves_out_passed_tasks_and_names_earlier_ones_that_are_open() -> None:
+    catalog, state = shipped_catalog(), student_state()
+    tasks = catalog.tasks_of_week("week02")
+    for number in (1, 3, 4):
+        save_check(state, tasks[number - 1].id, passed=True, cells=[], student="")
+    assert next_step(catalog, tasks[1]) == f"Next is task 5 for a bonus: {tasks[4].title}."
+    save_check(state, tasks[4].id, passed=True, cells=[], student="")
+    hand_in = "To hand in, type in a terminal: course submit week02_exercise.ipynb"
+    assert next_step(catalog, tasks[4]) == f"Still open: task 2. {hand_in}"
+    assert next_step(catalog, tasks[1]) == f"All tasks have passed. {hand_in}"
 
 
 def test_success_message_has_an_icon_and_the_next_step_unlike_failure() -> None:

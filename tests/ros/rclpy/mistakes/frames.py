@@ -47,7 +47,8 @@ FRAMES = [
         "tf2.ExtrapolationException: Lookup would require extrapolation into the future.  "
         "Requested time 3.000000 but the latest data is at time 2.000000, when looking up "
         "transform from frame [base] to frame [map]",
-        "request the latest transform with `Time()`, or pass a timeout.",
+        "request the transform at the stamp of the message, or the latest one with `Time()`, "
+        "or pass a timeout.",
     ),
     (
         "Buffer().set_transform(transform('', 'base', 1), 'me')",
