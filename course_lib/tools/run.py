@@ -139,6 +139,12 @@ def ros2_over(
                 f"{words[0]} is not a command of ros2. Pass a program with --run: course ros2 "
                 f"--run {' '.join(words) if len(words) > 1 else f'{words[0]} topic list'}"
             )
+        if words[:2] == ["bag", "play"]:
+            folder = next((word for word in words[2:] if not word.startswith("-")), "FOLDER")
+            raise CourseError(
+                f"A bag is played to programs that subscribe: course bag play {folder} --run program.py, or "
+                f"in a notebook %ros2 bag play {folder}"
+            )
         examples = (f"course ros2 {where} {words[0]} …" for where in _WHERE)
         raise CourseError(f"Nothing to inspect. Write: {', or '.join(examples)}")
     if (files or starts or robot) and not needs_nothing:

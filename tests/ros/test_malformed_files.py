@@ -112,6 +112,11 @@ def test_xacro_error_says_what_to_change(write: Write, body: str, advice: str) -
 
 
 def test_macro_call_without_prefix_is_reported(write: Write, capsys: pytest.CaptureFixture[str]) -> None:
+    box = '<xacro:macro name="box" params="s"><link name="${s}"><visual><geometry><box size="1 1 1"/>'
+    load_robot(
+        write("s.xacro", f'{XACRO}{box}</geometry></visual></link></xacro:macro><xacro:box s="a"/></robot>')
+    )
+    assert not capsys.readouterr().err
     load_robot(write("r.xacro", f'{XACRO}\n<link name="a"/>{MACRO}\n<leg name="b" x="1"/></robot>'))
     assert "r.xacro, line 3: <leg> is copied and not expanded." in capsys.readouterr().err
 

@@ -157,11 +157,19 @@ def _advise(path: Path, errors: str) -> str:
     return ""
 
 
+_URDF_TAGS = {
+    *("link", "joint", "visual", "collision", "inertial", "origin", "geometry", "material", "color", "mass"),
+    *("inertia", "box", "cylinder", "sphere", "mesh", "axis", "limit", "parent", "child", "gazebo", "sensor"),
+    *("mimic", "dynamics", "texture", "transmission", "actuator", "plugin", "hardware", "ros2_control"),
+}
+
+
 def _report_calls_without_prefix(path: Path) -> None:
     """Print a hint about the first call of a macro without xacro:, which xacro copies as it is."""
     text = read_text(path, errors="replace")
     for macro in re.findall(r"<xacro:macro\s+name=[\"'](\w+)", text):
-        if call := re.search(rf"<{macro}[\s/>]", text):
+        # A macro may have the name of a tag of URDF, like box.
+        if macro not in _URDF_TAGS and (call := re.search(rf"<{macro}[\s/>]", text)):
             line = text.count("\n", 0, call.start()) + 1
             print_to_stderr(
                 f"hint: {path.name}, line {line}: <{macro}> is copied and not expanded. "

@@ -185,3 +185,10 @@ def test_xacro_command_with_a_space_in_the_path_has_a_hint(arm: Path, tmp_path: 
     with pytest.raises(SubstitutionFailure, match="hint: a command is split at its spaces"):
         Command(["xacro ", str(file)]).perform(LaunchContext())
     assert "two_links" in Command(["xacro ", '"', str(file), '"']).perform(LaunchContext())
+
+
+def test_command_without_a_space_behind_xacro_is_recognized(tmp_path: Path, context: LaunchContext) -> None:
+    with pytest.raises(
+        SubstitutionFailure, match=r"A space is missing behind xacro: Command\(\['xacro ', path\]\)"
+    ):
+        Command(["xacro", str(tmp_path / "arm.xacro")]).perform(context)

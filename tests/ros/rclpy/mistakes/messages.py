@@ -3,6 +3,12 @@
 # (program, last line of the error, hint below it)
 MESSAGES = [
     (
+        "from rclpy.serialization import serialize_message\nserialize_message(String()).data",
+        "AttributeError: 'bytes' object has no attribute 'data'",
+        "these are the bytes of a message: deserialize_message(data, String), of rclpy.serialization, "
+        "makes a message of them.",
+    ),
+    (
         "Marker.CUBE = Marker.SPHERE",
         "AttributeError: property 'CUBE' of 'Metaclass_Marker' object has no setter",
         "a constant cannot be changed. Assign it to the field: `marker.type = Marker.CUBE`.",

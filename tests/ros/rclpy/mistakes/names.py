@@ -18,6 +18,21 @@ def undefined(name: str) -> str:
 # (program, last line of the error, hint below it)
 NAMES = [
     (
+        "main()",
+        undefined("main"),
+        "main is not defined: write `def main()` with the lines to run, or call your own function.",
+    ),
+    (
+        "import time as wall\ntime.time()",
+        undefined("time"),
+        "the module time is imported as wall: write wall in place of time.",
+    ),
+    (
+        "def run():\n    robot = 3\nrun()\nrobot",
+        undefined("robot"),
+        "robot is set in the function run, and exists only there: return it from run.",
+    ),
+    (
         "class Robot(Node):\n    timer = create_timer(1.0, print)",
         undefined("create_timer"),
         "write self.create_timer(…) in def __init__: it is a method of a node.",
