@@ -336,7 +336,7 @@ class PropertyHolder(KnownAttributes):
         if matches:
             raise CourseError(f"{self}: {label!r} may be {' or '.join(repr(p.label) for p in matches)}.")
         labels = [prop.label for prop in self.properties]
-        if plain_label == "name" and hasattr(self, "name"):
+        if plain_label in ("name", "names") and hasattr(self, "name"):
             raise CourseError(
                 f"The name of {self} is not a property: write name= in add(…), or display.name = 'a name'."
             )

@@ -19,6 +19,7 @@ def number_slips(function: Function) -> Iterator[str]:
     yield from _cut_quotients(function)
     yield from _integer_arrays(function)
     yield from _nanoseconds(function)
+    yield from _whole_seconds(function)
     yield from _short_periods(function)
     yield from _quaternions(function)
     yield from _comparisons_with_nan(function)
@@ -283,6 +284,26 @@ def _nanoseconds(function: Function) -> Iterator[str]:
                     ):
                         yield f"{ast.unparse(part)} counts nanoseconds: / 1e9 converts it to seconds."
                         return
+
+
+def _whole_seconds(function: Function) -> Iterator[str]:
+    """Yield a sentence for each time in a calculation of which only the whole seconds are read."""
+    if any(_ends_with(node, "nanosec") for node in ast.walk(function)):
+        return
+    for node in ast.walk(function):
+        match node:
+            case ast.BinOp(left=left, right=right):
+                operands = [left, right]
+            case ast.Assign(value=value):
+                operands = [value]
+            case _:
+                continue
+        for time in operands:
+            if _ends_with(time, "sec") or re.search(r"\bseconds_nanoseconds\(\)\[0\]$", ast.unparse(time)):
+                yield (
+                    f"{quote(time)} has no fraction of a second: add the nanoseconds / 1e9. A clock "
+                    "gives both by now().nanoseconds / 1e9."
+                )
 
 
 def _short_periods(function: Function) -> Iterator[str]:

@@ -11,7 +11,8 @@ from tests.browser.jupyterlab import VIEWPORT, Lab, Notebook, count_pixels, open
 from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
-ENOUGH = 300  # [px] of the path
+ENOUGH = 300  # [px] of the path or the dog
+LIGHT_GREY = "Math.min(r, g, b) > 150 && Math.max(r, g, b) - Math.min(r, g, b) < 40"
 YELLOW = "r > 180 && g > 180 && b < 80"
 
 
@@ -26,6 +27,13 @@ def test_all_cells_run_without_an_error_and_the_path_is_drawn(lesson: Notebook) 
     view = view_of(lesson.cell('compare("week00.shape"'))
     wait_until(lambda: count_pixels(view, YELLOW) > ENOUGH, lesson.page, A_FRAME)
     assert lesson.errors() == []
+
+
+def test_stopped_dog_stays_in_its_view(lesson: Notebook) -> None:
+    cell = lesson.cell("run_live(RobotStatePublisher")
+    cell.get_by_text("■ stopped: robot_state_publisher, dog").wait_for()
+    view = view_of(cell)
+    wait_until(lambda: count_pixels(view, LIGHT_GREY) > ENOUGH, lesson.page, A_FRAME)
 
 
 def test_one_click_stores_the_id_and_writes_it_into_the_exercises(lesson: Notebook) -> None:

@@ -221,6 +221,14 @@ SLIPS = [
         "time counts nanoseconds: / 1e9 converts it to seconds.",
     ),
     (
+        ("time = self.get_clock().now().to_msg().sec", "return 2 * math.pi * time"),
+        '"self.get_clock().now().to_msg().sec" has no fraction of a second: add the nanoseconds / 1e9',
+    ),
+    (
+        ("time = self.get_clock().now()", "return time.seconds_nanoseconds()[0] - 5"),
+        '"time.seconds_nanoseconds()[0]" has no fraction of a second',
+    ),
+    (
         ("return stamp.sec + stamp.nanosec",),
         '"stamp.sec + stamp.nanosec" is not a number of seconds: nanosec counts billionths, so write '
         "stamp.sec + stamp.nanosec / 1e9.",
@@ -328,6 +336,12 @@ RIGHT = [
     ("time = self.get_clock().now().nanoseconds / 1e9", "return 2 * math.pi * time"),
     ("return Duration(nanoseconds=start.nanoseconds)",),
     ("return stamp.sec + stamp.nanosec * 1e-9",),
+    ("seconds, fraction = stamp.sec, stamp.nanosec / 1e9", "return seconds + fraction"),
+    (
+        "if stamp.sec == 0:",
+        "    return",
+    ),
+    ("point.time_from_start.sec = 3", "return point"),
     ("return stamp.sec * 10**9 + stamp.nanosec",),
     ("t = self.get_clock().now().nanoseconds / 1e9", "if t - self.start > 5.0:", "    return t"),
     ("t = self.get_clock().now().nanoseconds / 1e9", "if t > self.end:", "    return t"),

@@ -910,6 +910,11 @@ PLAIN_PYTHON = [
         "write float, without np.",
     ),
     (
+        "import numpy as np\nnp.interp(0.25, 3.0, 5.0)",
+        "ValueError: object of too small depth for desired array",
+        "np.interp takes two lists, places and their values: `np.interp(0.25, [0.0, 1.0], [3.0, 5.0])`.",
+    ),
+    (
         "import numpy as np\nnp.arctan2(1.0)",
         "TypeError: arctan2() takes from 2 to 3 positional arguments but 1 was given",
         "arctan2 takes two values: `np.arctan2(1.0, 2.0)`, y and then x.",
