@@ -48,7 +48,7 @@ from course_lib.viewer.drawables import Points, Spot
 _TYPES = {1: "u1", 2: "u1", 3: "u2", 4: "u2", 5: "u4", 6: "u4", 7: "f4", 8: "f8"}
 _XYZ = ("x", "y", "z")
 AXES = ("X", "Y", "Z")
-# Conditions of the properties: the transformer, and for some a check box.
+# The property and value that other properties depend on: a transformer, or a check box.
 _BY_INTENSITY = ("Color Transformer", "Intensity")
 _BY_AXIS, _BY_FLAT = ("Color Transformer", "AxisColor"), ("Color Transformer", "FlatColor")
 _FIXED_INTENSITIES = (_BY_INTENSITY, ("Autocompute Intensity Bounds", False))

@@ -137,7 +137,7 @@ def mass(inertial: Inertial) -> Solids:
 
 
 def inertia(inertial: Inertial) -> Solids | None:
-    """Draw an inertia as a homogeneous box, or return None if no body can have it."""
+    """Draw an inertia as a homogeneous box, or return None if it is physically impossible."""
     if not np.isfinite(inertial.inertia).all():
         return None
     # The moments of inertia about the principal axes.

@@ -58,7 +58,7 @@ def _created_lists(cls: ast.ClassDef) -> set[str]:
 
 
 def _growing(cls: ast.ClassDef, function: Function, owners: set[str], *, is_certain: bool) -> Iterator[str]:
-    """Yield a sentence for each list of a node, or outside of it, to which a callback adds items."""
+    """Yield a sentence for each list to which a callback adds items without end."""
     aliases = _aliases(function)
     free = _free_names(function)
     in_loops = {

@@ -334,7 +334,7 @@ def _fields_of(kind: str) -> frozenset[str]:
 
 
 def _generators(cls: ast.ClassDef) -> Iterator[str]:
-    """Yield a sentence for each callback that is a generator function, whose lines a call does not run."""
+    """Yield a sentence for each callback that is a generator: calling it does not run its code."""
     for function in callbacks_of(cls):
         if any(isinstance(node, ast.Yield | ast.YieldFrom) for node in ast.walk(function)):
             yield (

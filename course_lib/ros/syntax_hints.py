@@ -148,7 +148,7 @@ _LOOK_ALIKES = "аеорсухіјѕԁһАВЕКМНОРСТУХІЈЅΑΒΕΖΗ
 
 
 def foreign_letter(text: str) -> str:
-    """Return the statement that a word mixes Latin letters with one that looks Latin, or ""."""
+    """Return a sentence about a word that mixes Latin letters with one that looks Latin, or ""."""
     for word in re.findall(r"\w+", text):
         foreign = next((letter for letter in word if letter in _LOOK_ALIKES), "")
         if foreign and re.search("[A-Za-z]", word):

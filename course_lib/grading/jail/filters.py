@@ -548,7 +548,7 @@ READ_ONLY, NO_SUID, NO_DEVICES = 1, 2, 4
 DETACH = 2  # flag of umount2
 MOUNT_SETATTR, AT_ROOT, AT_RECURSIVE = 442, -100, 0x8000
 INODES = 4096  # maximum number of files in the scratch folder
-COVERED, OLD = "/tmp", "/.old"  # where the new root is built, and the old root's temporary mount point
+COVERED, OLD = "/tmp", "/.old"  # folder of the new root, and temporary mount point of the old root
 MEGABYTES = 64  # [MB] size limit of files that imports write before any submission runs
 
 

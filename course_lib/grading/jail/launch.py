@@ -386,7 +386,7 @@ def _change_user(place: JailEnvironment) -> None:
 
 
 START_SECONDS = 60.0  # [s] timeout of the template's imports on a busy machine
-STOP_SECONDS = 60.0  # [s] timeout of killing a submission and its processes, which may be thousands
+STOP_SECONDS = 60.0  # [s] timeout for killing a submission and its processes
 SIGNALLED = 128  # bubblewrap's exit status for a process killed by a signal, minus the signal number
 PIPE_HOLDS = 2**20  # [B] pipe size for a submission's output
 BUBBLEWRAP = (

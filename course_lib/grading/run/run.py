@@ -204,7 +204,7 @@ def _pin_processor() -> Iterator[None]:
         status = Path("/proc/thread-self/stat").read_text(encoding="utf-8")
         os.sched_setaffinity(0, {int(status.rpartition(")")[2].split()[PROCESSOR])})
     except (AttributeError, OSError):
-        # The system is not Linux or forbids it; the run is only slower.
+        # Without Linux, or without permission, the run is only slower.
         yield
         return
     try:

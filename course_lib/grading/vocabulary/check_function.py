@@ -74,7 +74,7 @@ def _expected_length(name: str, value: Any) -> str:
     return f"{' or '.join(map(str, lengths))} numbers ({length_text})"
 
 
-MOST_SHOWN = 3  # problems per message
+MOST_SHOWN = 3  # maximum number of problems in a message
 # The message may contain text from the student's code, so its length is limited.
 LONGEST = 1000
 LARGE = 1e6  # threshold for formatting numbers like 1.5e+08

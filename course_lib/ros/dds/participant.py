@@ -222,7 +222,7 @@ class Participant:
             self._receiving.release()
 
     def send(self, parts: Iterable[Buffer], locators: Iterable[Locator], prefix: bytes = b"") -> None:
-        """Send submessages, given in parts, for one participant or for all participants there."""
+        """Send submessages, given in parts, to one participant or to all at the locators."""
         info = wire.submessage(wire.INFO_DST, 0, prefix) if prefix else ()
         datagram = b"".join((wire.PROTOCOL, wire.VENDOR_ID, self.prefix, *info, *parts))
         for address in locators if self.is_open else ():

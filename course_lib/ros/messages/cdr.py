@@ -176,7 +176,7 @@ TOO_SHORT = "raise ValueError('they end in a list')"
 
 
 class _Reader(CdrLayout):
-    """A function that reads the bytes `data` from `pos`.
+    """Generates a function that reads the bytes `data` from `pos`.
 
     `values` are the names of the values read.
     """
@@ -326,7 +326,7 @@ PADS = {size: tuple(bytes((4 - before) % size) for before in range(size)) for si
 
 
 class _Writer(CdrLayout):
-    """A function that appends to the bytearray `out`."""
+    """Generates a function that appends to the bytearray `out`."""
 
     def __init__(self, step: int) -> None:
         super().__init__(LITTLE, step)

@@ -316,7 +316,7 @@ def _read_cmake(name: str, cmake: Path, build_files: BuildFiles) -> None:
 def _registered_by_cmake(
     name: str, source_folder: Path, command: str, arguments: list[str]
 ) -> dict[tuple[str, str], str | Path]:
-    """Return the contents, or their files, of resources that a command adds to the ament index."""
+    """Return the resources that a command adds to the ament index: their contents or files."""
     match command, arguments:
         case "ament_index_register_resource", [resource_type, *rest]:
             resource_name = "".join(_argument_after("PACKAGE_NAME", rest)) or name

@@ -364,7 +364,7 @@ class _ViewerPresence:
     def __init__(self) -> None:
         # The number of executed cells.
         self._cell_count = -1
-        # When the last one was executed [s].
+        # Time at which the last cell was executed [s].
         self._last_cell_at = 0.0
         self.was_present = True
 

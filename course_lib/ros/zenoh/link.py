@@ -116,7 +116,7 @@ class DriverReport:
         self._driver: str | None = None
         # The topics that the gateway forwards.
         self._topics: Sequence[str] = ()
-        # By sent topic: whether it was reported as not forwarded.
+        # Whether a sent topic was reported as not forwarded, by topic.
         self._reported: dict[str, bool] = {}
 
     def change(self, driver: str, topics: Sequence[str]) -> None:
@@ -245,7 +245,7 @@ def open_session(address: str, login: Login = NO_LOGIN) -> zenoh.Session:
 
 
 ADMIN = "@ros2_lv"  # the first part of every liveliness token
-# The depth that an empty field, or a depth of 0, stands for.
+# The depth for an empty field or a depth of 0.
 DEFAULT_DEPTH = 42
 INFINITE = (9_223_372_036, 854_775_807)  # RMW_DURATION_INFINITE, [s] and [ns]
 # Number of parts of a token. Rolling appends a 14th part to an endpoint's token.
