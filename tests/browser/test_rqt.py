@@ -150,3 +150,20 @@ def test_short_console_message_is_on_one_line_next_to_a_view(one_page: Page) -> 
         range.selectNodeContents(cell);
         return range.getClientRects().length; }"""
     assert one_page.locator("td").nth(1).evaluate(count_lines) == 1
+
+
+def test_notice_follows_the_colors_of_a_dark_theme(one_page: Page) -> None:
+    theme = "--jp-layout-color1: #111111; --jp-ui-font-color1: #eeeeee"
+    notice = "<p class='rqt-notice'>Not set: there is only base</p>"
+    one_page.set_content(f"{STYLE}<div class='rqt' style='{theme}'>{notice}</div>")
+    # A canvas converts any color to 8 bits a channel.
+    read = """(notice, property) => {
+        const pen = new OffscreenCanvas(1, 1).getContext("2d");
+        pen.fillStyle = getComputedStyle(notice)[property];
+        pen.fillRect(0, 0, 1, 1);
+        return Math.max(...pen.getImageData(0, 0, 1, 1).data.slice(0, 3)); }"""
+    shades = [
+        one_page.locator(".rqt-notice").evaluate(f"notice => ({read})(notice, '{name}')")
+        for name in ("backgroundColor", "color")
+    ]
+    assert shades[0] < 100 < 200 < shades[1]

@@ -82,7 +82,7 @@ class ServiceCallerView(RqtView):
 
 
 _EVENTS = "/parameter_events", "rcl_interfaces/msg/ParameterEvent"
-_EDITOR_LAYOUT = {"width": "420px", "flex": "none"}
+_EDITOR_LAYOUT = {"width": "420px", "max_width": "100%", "flex": "none"}
 _EDITOR_STYLE = {"description_width": "180px"}
 
 

@@ -36,6 +36,10 @@ def test_controls_match_parameter_types_and_ranges(view: ReconfigureView) -> Non
     assert "read-only" in row(view, "serial")[1]
 
 
+def test_text_fields_and_check_boxes_are_not_wider_than_a_narrow_window(view: ReconfigureView) -> None:
+    assert {row(view, name)[0].layout.max_width for name in ("use_sim_time", "limits")} == {"100%"}
+
+
 def test_change_is_set_in_the_node(view: ReconfigureView, arm: Node) -> None:
     row(view, "gain")[0].value = 2.25
     row(view, "limits")[0].value = "[1.0, 2.0, 3.0]"
