@@ -597,6 +597,9 @@ def _advise(robot: ET.Element, reason: str) -> str:
     links = [link.get("name", "") for link in robot.findall("link")]
     if robot.tag != "robot":
         return f'The first tag is <{robot.tag}>, and a URDF begins with <robot name="arm">.'
+    if not links:
+        # It is rather a file of macros, for which `load_robot` has advice.
+        return ""
     if kind := re.search(r"no known type \[(.*)\]", reason):
         word = kind[1].lower()
         meant = _EVERYDAY_KINDS.get(word)
