@@ -121,7 +121,8 @@ class Program(Process):
             tree = compile_python(source, str(file), ast.PyCF_ONLY_AST)
             self._only_defines_main = _only_defines_main(tree)
             self._idle_hint = _idle_hint(tree)
-            self._slips = list(_find_slips(tree))
+            # A file that runs nothing has a hint about the same line.
+            self._slips = [] if self._idle_hint else list(_find_slips(tree))
         except (OSError, ValueError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
             raise CourseError(f"{file} cannot be run: {reason}. Pass the path of a Python file.") from error
