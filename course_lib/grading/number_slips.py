@@ -299,7 +299,10 @@ def _whole_seconds(function: Function) -> Iterator[str]:
             case _:
                 continue
         for time in operands:
-            if _ends_with(time, "sec") or re.search(r"\bseconds_nanoseconds\(\)\[0\]$", ast.unparse(time)):
+            is_item = isinstance(time, ast.Subscript)
+            if _ends_with(time, "sec") or (
+                is_item and ast.unparse(time).endswith("seconds_nanoseconds()[0]")
+            ):
                 yield (
                     f"{quote(time)} has no fraction of a second: add the nanoseconds / 1e9. A clock "
                     "gives both by now().nanoseconds / 1e9."
