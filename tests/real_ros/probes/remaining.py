@@ -123,6 +123,16 @@ lines(
     namespace_digit=lambda: rclpy.validate_namespace.validate_namespace("/1a"),
     node_long=lambda: rclpy.validate_node_name.validate_node_name("a" * 256),
     node_unicode=lambda: rclpy.validate_node_name.validate_node_name("café"),
+    node_none=lambda: rclpy.validate_node_name.validate_node_name(None),
+    node_number=lambda: rclpy.validate_node_name.validate_node_name(3),
+    namespace_none=lambda: rclpy.validate_namespace.validate_namespace(None),
+    namespace_number=lambda: rclpy.validate_namespace.validate_namespace(3),
+    full_none=lambda: rclpy.validate_full_topic_name.validate_full_topic_name(None),
+    topic_none=lambda: rclpy.validate_topic_name.validate_topic_name(None),
+    expand_none=lambda: rclpy.expand_topic_name.expand_topic_name(None, "n", "/"),
+    expand_node_none=lambda: rclpy.expand_topic_name.expand_topic_name("t", None, "/"),
+    expand_ns_none=lambda: rclpy.expand_topic_name.expand_topic_name("t", "n", None),
+    expand_ns_number=lambda: rclpy.expand_topic_name.expand_topic_name("t", "n", 3),
     parameter=lambda: rclpy.validate_parameter_name.validate_parameter_name("a.b"),
     parameter_empty=lambda: rclpy.validate_parameter_name.validate_parameter_name(""),
     parameter_space=lambda: rclpy.validate_parameter_name.validate_parameter_name("a b"),
@@ -162,6 +172,11 @@ lines(
     end=lambda: outcome(MutuallyExclusiveCallbackGroup().ending_execution, None),
     has=lambda: MutuallyExclusiveCallbackGroup().has_entity(None),
     add_none=lambda: MutuallyExclusiveCallbackGroup().add_entity(None),
+    can_none=lambda: MutuallyExclusiveCallbackGroup().can_execute(None),
+    begin_none=lambda: MutuallyExclusiveCallbackGroup().beginning_execution(None),
+    can_stranger=lambda: MutuallyExclusiveCallbackGroup().can_execute(ReentrantCallbackGroup()),
+    begin_stranger=lambda: MutuallyExclusiveCallbackGroup().beginning_execution(ReentrantCallbackGroup()),
+    reentrant_can_none=lambda: ReentrantCallbackGroup().can_execute(None),
 )
 
 

@@ -15,6 +15,10 @@ class RCLError(RuntimeError):
     """An error reported by rcl, the layer below rclpy."""
 
 
+class RMWError(RuntimeError):
+    """An error reported by rmw, the interface of the middleware."""
+
+
 class RCLInvalidROSArgsError(RCLError):
     """The arguments after `--ros-args` are malformed."""
 
@@ -44,6 +48,7 @@ class InvalidHandle(RuntimeError):
 # Tracebacks show the module of ROS.
 for _error in (
     RCLError,
+    RMWError,
     RCLInvalidROSArgsError,
     UnknownROSArgsError,
     NodeNameNonExistentError,

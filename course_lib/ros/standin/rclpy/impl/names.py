@@ -13,7 +13,7 @@ from rclpy.exceptions import (
     InvalidTopicNameException,
     NameValidationException,
 )
-from rclpy.impl.implementation_singleton import RCLError
+from rclpy.impl.implementation_singleton import RCLError, RMWError
 
 HIDDEN_TOPIC_PREFIX = "_"
 TOPIC_SEPARATOR_STRING = "/"
@@ -70,14 +70,33 @@ NAMESPACE = _absolute("namespace", ", unless only a '/'", "namespace", 245, "RMW
 FULL_TOPIC = _absolute("topic name", "", "topic length", 247, "255U - 8U")
 
 
+def _require_text(name: object, function: str, failed: str, null: str = "") -> None:
+    """Raise the errors of rclpy's C functions for a name that is not a string.
+
+    Args:
+        name: The name.
+        function: The C function's name.
+        failed: The beginning of the text about None.
+        null: The argument that rcl calls null; rmw sets no error.
+    """
+    if name is None:
+        if null:
+            raise RCLError(f"failed to {failed}: {null} argument is null")
+        raise RMWError(f"failed to {failed}: error not set")
+    if not isinstance(name, str):
+        raise TypeError(f"{function}(): incompatible function arguments.")
+
+
 def validate_node_name(node_name: str) -> bool:
     """Raise InvalidNodeNameException for an invalid node name; else return True, as in rclpy."""
+    _require_text(node_name, "rclpy_get_validation_error_for_node_name", "validate node name")
     _refuse(node_name, NODE_NAME, InvalidNodeNameException)
     return True
 
 
 def validate_namespace(namespace: str) -> bool:
     """Raise InvalidNamespaceException unless `namespace` is valid and absolute; else return True."""
+    _require_text(namespace, "rclpy_get_validation_error_for_namespace", "validate namespace")
     if namespace != "/":
         _refuse(namespace, NAMESPACE, InvalidNamespaceException)
     return True
@@ -85,8 +104,7 @@ def validate_namespace(namespace: str) -> bool:
 
 def validate_full_topic_name(name: str, *, is_service: bool = False) -> bool:
     """Return True, or raise Invalid(Topic or Service)NameException for an invalid or relative name."""
-    if not isinstance(name, str):
-        raise TypeError("rclpy_get_validation_error_for_full_topic_name(): incompatible function arguments.")
+    _require_text(name, "rclpy_get_validation_error_for_full_topic_name", "validate name")
     _refuse(name, FULL_TOPIC, _ERRORS["service" if is_service else "topic"])
     return True
 
@@ -95,10 +113,7 @@ def validate_full_topic_name(name: str, *, is_service: bool = False) -> bool:
 @lru_cache
 def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
     """Raise Invalid(Topic or Service)NameException unless `name` is valid; else return True."""
-    if name is None:
-        raise RCLError("failed to validate name: topic_name argument is null")
-    if not isinstance(name, str):
-        raise TypeError("rclpy_get_validation_error_for_topic_name(): incompatible function arguments.")
+    _require_text(name, "rclpy_get_validation_error_for_topic_name", "validate name", "topic_name")
     error = _ERRORS["service" if is_service else "topic"]
     _refuse(name, TOPIC_NAME, error)
     sound = re.match(_SOUND, name)
@@ -112,15 +127,12 @@ def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> s
 
     Raises ValueError with rcl's message if one of the names is invalid.
     """
-    if topic_name is None:
-        raise RCLError("failed to do name expansion: input_topic_name argument is null")
-    if not isinstance(topic_name, str):
-        raise TypeError("rclpy_expand_topic_name(): incompatible function arguments.")
-    for check, kind, name in (
-        (validate_topic_name, "topic name", topic_name),
-        (validate_node_name, "node name", node_name),
-        (validate_namespace, "node namespace", node_namespace),
+    for check, kind, name, argument in (
+        (validate_topic_name, "topic name", topic_name, "input_topic_name"),
+        (validate_node_name, "node name", node_name, "node_name"),
+        (validate_namespace, "node namespace", node_namespace, "node_namespace"),
     ):
+        _require_text(name, "rclpy_expand_topic_name", "do name expansion", argument)
         try:
             check(name)
         except NameValidationException as error:
