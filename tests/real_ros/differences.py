@@ -141,11 +141,12 @@ ENDS_AS_ASKED = ("plain_spin", "while_ok")
 OTHER_VALUES = {"PerceptionVisualizer": "Random numbers"}
 
 # Nodes of the course whose outcome differs, with their row: three publish values of the clock, and
-# one measures a rate with it.
+# two measure a rate with it.
 _CLOCK = "The clock"
 NODES = {
     "week06_tooling: Home()": _FOREVER,
     "week06_tooling: FirstMonitor()": _CLOCK,
+    "week06_tooling: ScanRate()": _CLOCK,
     "week07_dashboard: TfPublisher()": _CLOCK,
     "week07_dashboard: PathPublisher()": _CLOCK,
     "week07_exercise: TfPublisher()": _CLOCK,

@@ -134,7 +134,8 @@ class Program(Process):
     def run(self) -> None:
         """Run the file, and print hints about its statements that do nothing."""
         super().run()
-        for slip in () if self.exit_code else self._slips:
+        # A file that ran nothing has got its hint.
+        for slip in () if self.exit_code or self._idle_hint else self._slips:
             sys.stderr.write(f"hint: {self.file.name}, {slip}\n")
 
     @property

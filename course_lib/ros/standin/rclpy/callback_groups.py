@@ -57,18 +57,16 @@ class MutuallyExclusiveCallbackGroup(CallbackGroup):
         super().__init__()
         self._active_entity: Any = None
 
-    def _check_entity(self, entity: Any) -> None:
-        if weakref.ref(entity) not in self.entities:
-            raise AssertionError
-
     def can_execute(self, entity: Any) -> bool:
         """Return whether no callback of the group is running."""
-        self._check_entity(entity)
+        if weakref.ref(entity) not in self.entities:
+            raise AssertionError
         return self._active_entity is None
 
     def beginning_execution(self, entity: Any) -> bool:
         """Mark the entity's callback as started. Return False if another callback is running."""
-        self._check_entity(entity)
+        if weakref.ref(entity) not in self.entities:
+            raise AssertionError
         if self._active_entity is not None:
             return False
         self._active_entity = entity

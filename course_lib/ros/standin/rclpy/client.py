@@ -44,7 +44,7 @@ class Client(ServiceEnd):
         # Without this call, a thread that sends requests in a tight loop would stop robot time.
         time_lock.poll()
         self.__requests += 1
-        self._course_send(self._course_id, self.__requests, request)
+        self._course_send((self._course_id, self.__requests), request)
         future: Future[Any] = Future()
         future._course_unmet = self.__describe_missing
         self._pending_requests[self.__requests] = future

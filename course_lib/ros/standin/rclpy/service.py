@@ -131,9 +131,13 @@ class ServiceEnd(Entity):
         """Return the number of matched subscriptions on the other side."""
         return self.__ends[0].require()._course_partner_count()
 
-    def _course_send(self, client: int, number: int, message: RosMessage) -> None:
-        """Send a request, as a client, or a response, as a service."""
+    def _course_send(self, header: tuple[int, int], message: RosMessage) -> None:
+        """Send a request, as a client, or a response, as a service.
+
+        The header contains the client's number and that of the request.
+        """
         self.__ends[0].require()
+        client, number = header
         # In ROS, the middleware accepts the response, but does not deliver it.
         if not self._course_node.context.is_valid:
             return
@@ -162,8 +166,7 @@ class Service(ServiceEnd):
         """Send the response to a request. `header` identifies the request."""
         if not isinstance(response, self.srv_type.Response):
             raise TypeError
-        client, number = header
-        self._course_send(client, number, response)
+        self._course_send(header, response)
 
     def _course_take(self) -> Callable[[], object] | None:
         """Remove the oldest request and return the call that responds to it."""
@@ -185,11 +188,11 @@ class Service(ServiceEnd):
             raise
         if not isinstance(response, self.srv_type.Response):
             raise marked(TypeError(), Mistake.RESPONSE)
-        self._course_send(client, number, response)
+        self._course_send((client, number), response)
 
 
 class LateService(Service):
     """A service whose callback `callback(request, respond)` may respond at any later time."""
 
     async def _course_answer(self, client: int, number: int, request: Any) -> None:
-        await await_or_execute(self.callback, request, partial(self._course_send, client, number))
+        await await_or_execute(self.callback, request, partial(self._course_send, (client, number)))
