@@ -43,14 +43,15 @@ def is_native(kind: type) -> bool:
 def is_student_class(kind: type) -> bool:
     """Return whether a class is defined in a notebook, or in a program next to it."""
     module = sys.modules.get(kind.__module__)
-    place = getattr(module, "__file__", None) or ""
+    # Modules of messages have no file.
+    place = getattr(module, "__file__", None)
     # In a notebook, the file of __main__ is the program that runs its kernel.
     if kind.__module__ == "__main__":
         return True
     # Cells that are executed without a module define classes of "builtins".
     if kind.__module__ == "builtins":
         return getattr(builtins, kind.__name__, None) is None and not is_native(kind)
-    return is_student_file(place)
+    return place is not None and is_student_file(place)
 
 
 def reachable_object(frame: FrameType, name: str) -> Any:
