@@ -183,6 +183,7 @@ def register(shell: "InteractiveShell") -> None:
     shell.register_magic_function(no_var_expand(ros2_magic), "line", "ros2")  # type: ignore[arg-type]  # wrongly typed there
     shell.register_magic_function(rqt_magic, "line", "rqt")  # type: ignore[arg-type]  # as above
     shell.register_magic_function(rviz2_magic, "line", "rviz2")  # type: ignore[arg-type]  # as above
+    shell.register_magic_function(check_magic, "line", "check")  # type: ignore[arg-type]  # as above
     catch_shell(shell)
     shell.register_magic_function(no_var_expand(timeout_magic), "line", "timeout")  # type: ignore[arg-type]  # as above
 
@@ -253,6 +254,15 @@ def rviz2_magic(line: str) -> None:
         f"There is no window here. A cell shows the view: from course_lib import Viewer; viewer = {call}; "
         "viewer\n"
     )
+
+
+def check_magic(line: str) -> None:
+    """Print the call of `check` for a student who types %check week01.red_cube RedCube."""
+    from IPython.core.error import UsageError
+
+    words = re.findall(r"[\w.]+", line)
+    task, answer = words[:2] if len(words) > 1 else ("week01.red_cube", "RedCube")
+    raise UsageError(f'check is a function: write check("{task}", {answer}), without the %.')
 
 
 def catch_shell(shell: "InteractiveShell") -> None:

@@ -147,6 +147,21 @@ def test_output_of_shell_ros2_can_be_assigned(
     assert capfd.readouterr().out == ""
 
 
+@pytest.mark.parametrize(
+    ("cell", "call"),
+    [
+        ("%check", 'check("week01.red_cube", RedCube)'),
+        ("%check week02.joint_wave wave", 'check("week02.joint_wave", wave)'),
+        ("%check 'week02.joint_wave', wave", 'check("week02.joint_wave", wave)'),
+    ],
+)
+def test_check_as_a_magic_prints_its_call(
+    shell: InteractiveShell, capfd: pytest.CaptureFixture[str], cell: str, call: str
+) -> None:
+    run(shell, cell)
+    assert f"check is a function: write {call}, without the %." in capfd.readouterr().err
+
+
 @pytest.mark.parametrize("line", ["!echo ros2 topic list", "!echo hello; true", "x = !echo ros2bag"])
 def test_other_commands_are_passed_to_the_shell(
     shell: InteractiveShell, capfd: pytest.CaptureFixture[str], line: str
