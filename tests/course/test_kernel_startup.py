@@ -36,6 +36,8 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     )
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PYTHONSTARTUP", str(KERNEL_STARTUP))
+        # Launch files that an earlier test ran in this process have put the stand-in on it.
+        patch.delenv("PYTHONPATH", raising=False)
         client.execute()
     return [
         "".join(
