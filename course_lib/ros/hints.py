@@ -4,11 +4,9 @@ A hint is found by the type of the exception, by a pattern of its text and, wher
 ambiguous, by the mistake with which the raising code has marked the exception.
 """
 
-import builtins
 import dis
 import linecache
 import re
-import sys
 import tomllib
 from collections import Counter
 from collections.abc import Awaitable, Sequence
@@ -19,10 +17,10 @@ from traceback import walk_tb
 from types import FrameType, FunctionType, ModuleType
 
 from course_lib.errors import join_words
-from course_lib.ros import import_hints, near_names, syntax_hints, value_hints
+from course_lib.ros import import_hints, near_names, shadowing_hints, syntax_hints, value_hints
 from course_lib.ros.messages.definitions import definition, type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
-from course_lib.ros.programs.packages import skipped_folder_reason, unavailable_reason
+from course_lib.ros.programs.packages import unavailable_reason
 from course_lib.ros.student_code import (
     frame_of,
     is_native,
@@ -58,15 +56,6 @@ _HINTS = {
 # A function that calls itself more often than this repeats itself in the traceback of a
 # RecursionError.
 _FEW_CALLS = 20
-# Modules by the names under which students import them.
-_MODULES = {
-    "math": "math",
-    "time": "time",
-    "random": "random",
-    "np": "numpy",
-    "copy": "copy",
-    "os": "os",
-}
 # The number of frames of a buffer that a hint names.
 _MOST_FRAMES = 8
 # The table of attributes that rclpy lacks, whose patterns match "rclpy.time.Time.now".
@@ -103,10 +92,10 @@ def _find_hint(error: BaseException) -> str:
             return found
     if (
         found := _recursion_hint(error)
-        or _outdated_hint(error)
+        or shadowing_hints.outdated_hint(error)
         or _foreign_letter_hint(error, text)
-        or _hidden_property_hint(error)
-        or _hidden_module_hint(error)
+        or shadowing_hints.hidden_property_hint(error)
+        or shadowing_hints.hidden_module_hint(error)
         or near_names.key_hint(error)
         or _decimal_comma_hint(error, text)
         or _rclpy_attribute_hint(error)
@@ -125,7 +114,7 @@ def _find_hint(error: BaseException) -> str:
         or _tf_hint(error, text)
         or _callback_hint(error)
         or _parameter_callback_hint(error, text)
-        or _shadowed_hint(error, text)
+        or shadowing_hints.shadowed_hint(error, text)
         or _loop_hint(error, text)
         or _order_hint(error, text)
         or _executor_hint(error, text)
@@ -145,12 +134,14 @@ def _find_hint(error: BaseException) -> str:
         or value_hints.number_loop_hint(error)
         or value_hints.pair_hint(error, text)
         or value_hints.value_hint(error, text)
-        or _skipped_interfaces_hint(error)
+        or import_hints.skipped_interfaces_hint(error)
         or _table_hint(error, text)
         or _missing_value_hint(error, text)
     ):
         return found
-    if isinstance(error, ModuleNotFoundError) and (interface_package := _imported_interfaces(error)):
+    if isinstance(error, ModuleNotFoundError) and (
+        interface_package := import_hints.imported_interfaces(error)
+    ):
         package, kind = interface_package
         return f"put the folder {package} with its {kind} beside the program, or into the workspace's src."
     if isinstance(error, ImportError):
@@ -179,43 +170,6 @@ def _find_hint(error: BaseException) -> str:
         if attribute and is_student_class(type(error.obj)):
             return f"set `self.{attribute[2]}` in {attribute[1]}.__init__, spelled the same."
     return ""
-
-
-def _outdated_hint(error: BaseException) -> str:
-    """Return the hint for an object whose class a cell has defined anew since, or "".
-
-    The missing attribute is in the new class, so that the student's code is right.
-    """
-    if not isinstance(error, AttributeError) or not is_student_class(type(error.obj)):
-        return ""
-    old, name = type(error.obj), error.name or ""
-    for frame, _ in walk_tb(error.__traceback__):
-        new = frame.f_globals.get(old.__name__)
-        if not isinstance(new, type) or new is old or new.__qualname__ != old.__qualname__:
-            continue
-        methods = (method for method in vars(new).values() if isinstance(method, FunctionType))
-        if hasattr(new, name) or any(name in method.__code__.co_names for method in methods):
-            return (
-                f"this {old.__name__} was created before the cell of the class was run again: run the "
-                f"cell that creates it, with {old.__name__}(…), again."
-            )
-    return ""
-
-
-def _replaced_function_hint(name: str, frame: FrameType, line: str) -> str:
-    """Return the hint for a call of a variable that has replaced the function of its name, or ""."""
-    value = frame.f_globals[name]
-    # IPython keeps the source of all cells.
-    cells = [cell for cell in frame.f_globals.get("In", ()) if isinstance(cell, str)]
-    source = "\n".join([*cells, *linecache.getlines(frame.f_code.co_filename)])
-    if callable(value) or not re.search(rf"(?m)^def {name}\(", source):
-        return ""
-    if not re.search(rf"(?<![.\w]){name}\(", line):
-        return ""
-    return (
-        f"{name} = … has replaced the function {name}, which is now {value!r:.30}: choose another name for "
-        f"the result, and run the cell with def {name} again."
-    )
 
 
 def _foreign_letter_hint(error: BaseException, text: str) -> str:
@@ -608,73 +562,6 @@ def _base_class_hint(error: BaseException) -> str:
     )
 
 
-def _shadowed_hint(error: BaseException, text: str) -> str:
-    """Return the hint for a function, method or class that a student's variable hides, or ""."""
-    frame, match = frame_of(error), re.match(r"'(\w+)' object is not callable", text)
-    if frame is None or match is None or not isinstance(error, TypeError):
-        return ""
-    variables = {**frame.f_globals, **frame.f_locals}
-    # A comprehension reads the variables of its function as free variables.
-    code = frame.f_code
-    for name in (*code.co_varnames, *code.co_freevars, *code.co_names):
-        is_hidden = hasattr(builtins, name) and name in variables
-        if is_hidden and type(variables[name]).__name__ == match[1]:
-            return (
-                f"{name} is a variable here, {name} = …, and hides Python's {name}(): choose "
-                f"another name for it. In a notebook, del {name} gives back Python's own."
-            )
-        is_global = name in frame.f_globals and not hasattr(builtins, name)
-        if is_global and (found := _replaced_function_hint(name, frame, line_of_student(error))):
-            return found
-        is_called = re.search(rf"(?<![.\w]){name}\(", line_of_student(error)) is not None
-        value = frame.f_locals.get(name)
-        is_value = value is not None and not callable(value)
-        if is_called and is_value and callable(frame.f_globals.get(name)):
-            return f"{name} = … is a variable here and hides the function {name}: rename it."
-        if name == match[1] and type(variables.get(name)).__name__ == name:
-            return (
-                f"{name} is an object here, {name} = …, and hides the class {name}: choose another "
-                "name for the object, and import the class again."
-            )
-    owner = frame.f_locals.get("self")
-    for name in re.findall(r"\bself\.(\w+)\(", line_of_student(error)):
-        value = getattr(owner, "__dict__", {}).get(name)
-        if type(value).__name__ == match[1] and callable(getattr(type(owner), name, None)):
-            return f"self.{name} = … hides the method {name}: choose another name for the attribute."
-    return ""
-
-
-def _hidden_module_hint(error: BaseException) -> str:
-    """Return the hint for a variable with the name of a module that the failing line uses, or ""."""
-    if not isinstance(error, AttributeError) or isinstance(error.obj, ModuleType | None):
-        return ""
-    for frame, _ in walk_tb(error.__traceback__):
-        for name in (*frame.f_locals, *frame.f_globals):
-            is_module = name in _MODULES and hasattr(sys.modules.get(_MODULES[name]), str(error.name))
-            if is_module and {**frame.f_globals, **frame.f_locals}[name] is error.obj:
-                is_class = isinstance(error.obj, type)
-                what = f"the class {error.obj.__name__}" if is_class else f"a variable here, {name} = …,"
-                return (
-                    f"{name} is {what} and hides the module {name}: choose another name for it, and "
-                    "import the module again."
-                )
-    return ""
-
-
-def _hidden_property_hint(error: BaseException) -> str:
-    """Return the hint for a method with the name of a property of a node that rclpy reads, or ""."""
-    frame = frame_of(error)
-    if frame is not None and frame.f_code.co_name == "__name_in_events":
-        return (
-            "rclpy itself calls get_name() and get_namespace() of a node, which return strings: "
-            "choose another name for your method."
-        )
-    if frame is None or frame.f_code.co_name != "reject_hidden_properties":
-        return ""
-    name = frame.f_locals["name"]
-    return f"rclpy itself reads {name} of a node: choose another name for your method {name}."
-
-
 def _loop_hint(error: BaseException, text: str) -> str:
     """Return the hint for a message that is used as a list, or ""."""
     match = re.match(
@@ -857,36 +744,6 @@ def _missing_self_hint(error: NameError, text: str) -> str:
         "write self as the method's first parameter: `def "
         f"{code.co_name}({', '.join(('self', *remaining_parameters))})`."
     )
-
-
-def _skipped_interfaces_hint(error: BaseException) -> str:
-    """Return the hint for a package of interfaces whose folder is not used, such as an empty one."""
-    if not isinstance(error, ModuleNotFoundError):
-        return ""
-    package = (error.name or "").partition(".")[0]
-    # The search may take a second in a large folder.
-    if not package.endswith(("_msgs", "_srvs", "_interfaces")) and _imported_interfaces(error) is None:
-        return ""
-    reason = skipped_folder_reason(package)
-    return f"the package {package} is not used: {reason}" if reason else ""
-
-
-def _imported_interfaces(error: ModuleNotFoundError) -> tuple[str, str] | None:
-    """Return the package and kind if the import of a missing package requests its interfaces."""
-    names = [error.name or ""]
-    trace = error.__traceback__
-    while trace is not None:
-        # The source text is not always available, but the bytecode contains the imported name.
-        code = dis.get_instructions(trace.tb_frame.f_code)
-        names += [
-            str(step.argval) for step in code if (step.offset, step.opname) == (trace.tb_lasti, "IMPORT_NAME")
-        ]
-        trace = trace.tb_next
-    for name in names:
-        package, _, kind = name.partition(".")
-        if package == (error.name or "").partition(".")[0] and kind in ("msg", "srv", "action"):
-            return package, kind
-    return None
 
 
 def _text(error: BaseException) -> str:

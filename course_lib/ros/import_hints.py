@@ -7,7 +7,7 @@ from pathlib import Path
 from pkgutil import iter_modules
 
 from course_lib.ros import near_names
-from course_lib.ros.programs.packages import clone_instructions
+from course_lib.ros.programs.packages import clone_instructions, skipped_folder_reason
 from course_lib.ros.student_code import public_attributes
 
 # Modules that ROS programs often use, by their names on PyPI.
@@ -262,3 +262,33 @@ def _interface_hint(missing: str, package: str, kind: str) -> str:
         if similar := near_names.nearest(missing, names, 0.75 if number < len(modules) else 0.85):
             return f"did you mean {similar}? `from {holder}.{one} import {similar}`"
     return ""
+
+
+def skipped_interfaces_hint(error: BaseException) -> str:
+    """Return the hint for a package of interfaces whose folder is not used, such as an empty one."""
+    if not isinstance(error, ModuleNotFoundError):
+        return ""
+    package = (error.name or "").partition(".")[0]
+    # The search may take a second in a large folder.
+    if not package.endswith(("_msgs", "_srvs", "_interfaces")) and imported_interfaces(error) is None:
+        return ""
+    reason = skipped_folder_reason(package)
+    return f"the package {package} is not used: {reason}" if reason else ""
+
+
+def imported_interfaces(error: ModuleNotFoundError) -> tuple[str, str] | None:
+    """Return the package and kind if the import of a missing package requests its interfaces."""
+    names = [error.name or ""]
+    trace = error.__traceback__
+    while trace is not None:
+        # The source text is not always available, but the bytecode contains the imported name.
+        code = dis.get_instructions(trace.tb_frame.f_code)
+        names += [
+            str(step.argval) for step in code if (step.offset, step.opname) == (trace.tb_lasti, "IMPORT_NAME")
+        ]
+        trace = trace.tb_next
+    for name in names:
+        package, _, kind = name.partition(".")
+        if package == (error.name or "").partition(".")[0] and kind in ("msg", "srv", "action"):
+            return package, kind
+    return None
