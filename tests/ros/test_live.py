@@ -245,6 +245,18 @@ def test_run_state_is_not_sent_repeatedly_without_an_open_page(
     assert "goes on" not in received[-1]
 
 
+def test_live_node_that_a_newer_one_replaces_gets_no_hint_about_a_spin(
+    notebook: Graph, capsys: Captured, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COURSE_PACE", "fast")
+    run_live(Node("talker"), Node("listener"))
+    run_live(Node("talker"))
+    driving.spin_for(0.1, Node("talker"))
+    out = capsys.readouterr().out
+    assert out.count("The new node /talker replaces the one of the same name.") == 2
+    assert "hint:" not in out
+
+
 def test_run_state_includes_the_name_of_a_replaced_node(notebook: Graph) -> None:
     run = LiveRun(notebook, (Node("talker"),))
     Node("talker")

@@ -293,9 +293,15 @@ class Executor(AbstractContextManager["Executor"]):
 
     @contextmanager
     def _course_joined_by(self, nodes: Sequence[HandledNode]) -> Iterator[None]:
-        """Run the callbacks of further nodes during the block, in a program thread."""
+        """Run the callbacks of further nodes during the block, in a program thread.
+
+        A live node that a newer node of its name has replaced is skipped: its run ends by itself, so
+        the hint of `add_node` is not for it.
+        """
         with time_lock.hold():
-            new_nodes = [node for node in nodes if self.add_node(node)]
+            live = self.context.graph.state(RunningNodes).nodes
+            still_here = [node for node in nodes if not (node in live and node.handle.has_left)]
+            new_nodes = [node for node in still_here if self.add_node(node)]
             try:
                 yield
             finally:
