@@ -14,20 +14,20 @@ scenario, and ARGUMENTS are topics that the kit publishes. SETTINGS is a diction
 
 import ast
 import ctypes
-import importlib
 import os
 import signal
 import subprocess
 import sys
 import time
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from functools import partial
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder
 from importlib.util import spec_from_loader
 from pathlib import Path
-from types import FrameType, ModuleType, TracebackType
+from types import FrameType, ModuleType, SimpleNamespace, TracebackType
 from typing import Any
 
 PACKAGES = (
@@ -48,6 +48,8 @@ PACKAGES = (
 OWN_TOPICS = ("/rosout", "/parameter_events")
 # Time limit for connecting all topics [s].
 CONNECT_SECONDS = 3.0
+# Polling period of a waiting thread [s].
+WAIT = 0.005
 KINDS = ("msg", "srv", "action")
 # An option of Linux's prctl.
 PARENT_DEATH_SIGNAL = 1
@@ -119,6 +121,21 @@ class KitPackages(MetaPathFinder, Loader):
             file.write(f"{name}\n")
 
 
+def wait(ready: Callable[[], bool], *, until_ns: int, awaited: str) -> None:
+    """Wait until `ready()` is true or the monotonic clock reaches a time."""
+    while not ready() and time.monotonic_ns() < until_ns:
+        time.sleep(WAIT)
+
+
+def current_graph() -> SimpleNamespace:
+    """Return the part of a graph that tf2_ros uses, with the time of the monotonic clock."""
+    return SimpleNamespace(notebook=False, now_ns=time.monotonic_ns())
+
+
+# The interface of the kit's time lock, for threads that need no lock: others run while one waits.
+time_lock = SimpleNamespace(is_program_thread=lambda: True, poll=lambda: None, hold=nullcontext, wait=wait)
+
+
 def add_kit(kit: Path) -> None:
     """Make the kit's modules importable without running `course_lib/__init__.py`, which replaces rclpy."""
 
@@ -131,8 +148,10 @@ def add_kit(kit: Path) -> None:
         module = sys.modules[name] = ModuleType(name)
         module.__path__ = [str(kit / name.replace(".", "/"))]
     sys.modules["course_lib"].__getattr__ = raise_import_error  # type: ignore[method-assign]
-    waiting = importlib.import_module("course_lib.real.child.waiting")
-    sys.modules["course_lib.ros.time.time_lock"] = sys.modules["course_lib.ros.graph.graph"] = waiting
+    # The kit's tf2_ros imports these modules, which belong to robot time. Here, threads wait in real
+    # time.
+    for name in ("course_lib.ros.time.time_lock", "course_lib.ros.graph.graph"):
+        sys.modules[name] = sys.modules[__name__]
 
 
 def print_error(
