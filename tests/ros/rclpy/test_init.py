@@ -1,11 +1,11 @@
 import pytest
 import rclpy
-from rclpy.context import Context
+from rclpy.context import Context, Contexts
 from rclpy.exceptions import NotInitializedException
 from rclpy.impl.implementation_singleton import RCLError
 from rclpy.node import Node
 
-from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, ProgramNodes, use_graph
 
 
 def test_second_init_is_rejected(started_graph: Graph) -> None:
@@ -131,3 +131,11 @@ def test_ros_arguments_can_be_removed() -> None:
 
     given = ["me", "--speed", "1", "--ros-args", "-r", "a:=b", "--", "--more"]
     assert remove_ros_args(given) == ["me", "--speed", "1", "--more"]
+
+
+def test_repeated_init_in_a_notebook_keeps_only_the_last_context(notebook: Graph) -> None:
+    for _ in range(3):
+        rclpy.init(args=["cell", "--ros-args", "-r", "chatter:=talk"])
+        rclpy.shutdown()
+    assert len(notebook.state(Contexts).initialized) == 1
+    assert not notebook.state(ProgramNodes).find_slips

@@ -10,7 +10,7 @@ from inspect import ismethod
 from typing import Any
 from weakref import WeakMethod
 
-from course_lib.ros.graph.graph import ProgramNodes, current_graph
+from course_lib.ros.graph.graph import ProgramNodes, current_graph, program
 from course_lib.ros.time.time_lock import time_lock
 from rclpy.impl.arguments import INVALID_ARGUMENTS, Arguments, parse
 from rclpy.impl.implementation_singleton import RCLError, RCLInvalidROSArgsError
@@ -55,7 +55,9 @@ class Context(AbstractContextManager["Context"]):
             raise TypeError("__init__(): incompatible constructor arguments.")
         try:
             self.arguments = parse(sys.argv if args is None else args)
-            current_graph().state(ProgramNodes).find_slips.append(self.arguments.find_unused)
+            # The cells of a notebook are not a program, whose end reports them.
+            if program.name or not self.graph.notebook:
+                current_graph().state(ProgramNodes).find_slips.append(self.arguments.find_unused)
         except RCLInvalidROSArgsError as error:
             raise RCLError(f"{NOT_INITIALIZED}{str(error).removeprefix(INVALID_ARGUMENTS)}") from None
         self.__domain_id = None if domain_id is None else int(domain_id)
@@ -64,7 +66,9 @@ class Context(AbstractContextManager["Context"]):
         if time_lock.is_interrupted_by_end() and not self.graph.ended:
             handlers = time_lock.handlers()
             self.__program_handlers = {} if handlers is None else handlers
-        current_graph().state(Contexts).initialized.append(self)
+        contexts = current_graph().state(Contexts)
+        running = [context for context in contexts.initialized if not context.is_shut_down]
+        contexts.initialized = [*running, self]
 
     @property
     def is_valid(self) -> bool:
@@ -183,6 +187,7 @@ class Contexts:
 
     # The context of `rclpy.init()` without a `context`.
     default: Context | None = None
+    # The contexts that run, and at least the last one that was initialized.
     initialized: list[Context] = field(default_factory=list)
     # Whether `rclpy.init` has installed a handler of Ctrl+C, and the program's handler before that.
     handles_interrupts: bool = False
