@@ -41,7 +41,7 @@ ARROWS = {
     "sensors": {"ros"},
     "tools": {"ros", "recording", "displays", "robots", "controls"},  # robots: nodes that launch files start
     "export": {"ros", "course"},
-    "gateway": {"ros", "course", "grading", "tools", "robots", "real"},  # grading: platforms' rosters
+    "gateway": {"ros", "grading", "tools", "real"},  # grading: platforms' rosters
     "grading": ROOMS,
     "authoring": {"course", "grading", "ros"},
     "book": {"course", "displays", "ros", "viewer"},
