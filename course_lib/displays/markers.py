@@ -9,6 +9,7 @@ or not at all, without a status.
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -294,10 +295,23 @@ def _uses_texture(marker: Any) -> bool:
     return bool(marker.texture_resource.startswith(_EMBEDDED)) and _has_uv_per_point(marker)
 
 
+class _Texture(NamedTuple):
+    """The fields of a sensor_msgs/msg/CompressedImage, as a key of a cache."""
+
+    format: str
+    data: bytes
+
+
 def _texture_of(marker: Any) -> Pixels | None:
     """Return the pixels of the embedded texture, or None if it is not an image."""
+    return _decode(_Texture(marker.texture.format, bytes(marker.texture.data)))
+
+
+# The drawing and the hints of a marker need the same image, and so does a repeated marker.
+@lru_cache(maxsize=1)
+def _decode(texture: _Texture) -> Pixels | None:
     try:
-        return decode_compressed(marker.texture, lambda values: (0.0, 65535.0), "RGBA")
+        return decode_compressed(texture, lambda values: (0.0, 65535.0), "RGBA")
     except ValueError:
         return None
 

@@ -32,7 +32,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from course_lib.displays import clouds, images, simple
-from course_lib.displays.display import Context, Display, DrawnDisplay
+from course_lib.displays.display import GROUP, Context, Display, DrawnDisplay
 from course_lib.displays.interactive import InteractiveMarkersDisplay
 from course_lib.displays.map import MapDisplay
 from course_lib.displays.markers import MarkerArrayDisplay, MarkerDisplay
@@ -112,11 +112,17 @@ class FailedDisplay(Display):
             f"{self.required} with base class type rviz_common::Display does not exist. Declared "
             f"types are  {' '.join(sorted(REGISTRY))}",
         )
-        similar = get_close_matches(
-            short_name(self.required), [short_name(name) for name in sorted(REGISTRY)], 1, 0.8
-        )
-        ros_1 = f"{self.required} is ROS 1's name. " if self.required.startswith("rviz/") else ""
-        self.statuses.hint("Class", *(f"{ros_1}RViz2 has the class {full_name(name)}." for name in similar))
+        names = {short_name(name): name for name in sorted([GROUP, *REGISTRY])}
+        package, _, short = self.required.rpartition("/")
+        # Another package may have a display of the same short name, which this hint must not replace.
+        similar = [
+            names[match]
+            for match in get_close_matches(short, names, 1, 0.8)
+            if package in ("", "rviz", "rviz_common")
+            or get_close_matches(package, [names[match].rpartition("/")[0]], 1, 0.8)
+        ]
+        ros_1 = f"{self.required} is ROS 1's name. " if package == "rviz" else ""
+        self.statuses.hint("Class", *(f"{ros_1}RViz2 has the class {name}." for name in similar))
 
 
 def make_display(context: Context, class_name: str, name: str, path: str) -> Display:

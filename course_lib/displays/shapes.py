@@ -154,12 +154,18 @@ def pose_numbers(poses: Any) -> Floats:
     return np.array(rows, np.float64).reshape(-1, 7)
 
 
-def pose_matrices(poses: Floats) -> Floats:
+def pose_matrices(poses: Floats, *, is_raw: bool = False) -> Floats:
     """Return poses, shape (N, 7), as transforms, shape (N, 4, 4).
 
-    As in Ogre, a quaternion of zeros is the identity rotation.
+    Like the nodes of Ogre's scenes, they have normalized quaternions. With `is_raw`, columns are
+    Ogre's products of quaternions and unit vectors, which are no rotation without unit length. A
+    quaternion of zeros is the identity rotation.
     """
-    x, y, z, w = poses[:, 3:].T
+    quaternions = poses[:, 3:]
+    if not is_raw:
+        lengths = np.linalg.norm(quaternions, axis=1, keepdims=True)
+        quaternions = quaternions / np.where(lengths > 0, lengths, 1.0)
+    x, y, z, w = quaternions.T
     matrices = np.tile(np.eye(4), (len(poses), 1, 1))
     matrices[:, :3, 3] = poses[:, :3]
     matrices[:, 0, 0], matrices[:, 1, 1], matrices[:, 2, 2] = (

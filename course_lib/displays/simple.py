@@ -138,9 +138,9 @@ class PoseArrayDisplay(DrawnDisplay):
         """Return all arrows or axes as one drawable, in the frame of the message."""
         if not self.kept or not len(self.kept[0]):
             return {}
-        poses = pose_matrices(self.kept[0])
         if self["Shape"] != _FLAT:
-            return draw_shapes(poses, self)
+            return draw_shapes(pose_matrices(self.kept[0]), self)
+        poses = pose_matrices(self.kept[0], is_raw=True)
         points = (poses[:, None, :3, :3] @ (_STROKES * self["Arrow Length"])[:, :, None])[..., 0]
         ends = (points + poses[:, None, :3, 3]).reshape(-1, 3)
         return {"arrows": Lines(ends, rgba_of(self), strip=False)}
@@ -225,34 +225,51 @@ class PathDisplay(DrawnDisplay):
     )
 
     def process(self, message: Any) -> None:
-        """Keep the poses in the fixed frame, shape (N, 4, 4).
+        """Keep the poses, shape (N, 7), with the transform of their frame.
 
         An invalid path replaces the previous one, too.
         """
-        poses = np.empty((0, 4, 4))
+        path = (np.eye(4), np.empty((0, 7)))
         numbers = pose_numbers([stamped.pose for stamped in message.poses])
         if not np.isfinite(numbers).all():
             self.statuses.set("error", "Topic", INVALID)
         elif (transform := self.transform_at(message.header)) is not None:
-            poses = transform @ pose_matrices(numbers)
-        self.keep(poses)
+            path = (transform, numbers)
+        self.keep(path)
 
     def drawables(self) -> Mapping[str, Drawable]:
         """Return a line for each path, and the axes or arrows at all poses."""
         offset = np.eye(4)
         offset[:3, 3] = self["Offset"]
-        paths = [offset @ path for path in self.kept if len(path)]
+        paths = [(offset @ transform, numbers) for transform, numbers in self.kept if len(numbers)]
         width = self["Line Width"] if self["Line Style"] == "Billboards" else 0.0
         drawables: dict[str, Drawable] = {
-            f"line {i}": Lines(path[:, :3, 3], rgba_of(self), width) for i, path in enumerate(paths)
+            f"line {i}": Lines(numbers[:, :3] @ transform[:3, :3].T + transform[:3, 3], rgba_of(self), width)
+            for i, (transform, numbers) in enumerate(paths)
         }
         if paths and self["Pose Style"] == "Axes":
-            drawables |= draw_axes(np.concatenate(paths), self["Length"], self["Radius"])
+            poses = np.concatenate([transform @ pose_matrices(numbers) for transform, numbers in paths])
+            drawables |= draw_axes(poses, self["Length"], self["Radius"])
         elif paths and self["Pose Style"] == "Arrows":
+            poses = np.concatenate([transform @ _arrow_poses(numbers) for transform, numbers in paths])
             rgb = [channel / 255 for channel in self["Pose Color"]]
             sizes = (self[label] for label in _ARROW)
-            drawables |= draw_arrows(np.concatenate(paths), *sizes, rgba=(*rgb, 1.0))
+            drawables |= draw_arrows(poses, *sizes, rgba=(*rgb, 1.0))
         return drawables
+
+
+def _arrow_poses(numbers: Floats) -> Floats:
+    """Return the transforms of a path's arrows, shape (N, 4, 4).
+
+    RViz points an arrow along the product of quaternion and x, even if the quaternion has another
+    length than 1. This is a wrong direction, which this code reproduces.
+    """
+    ahead = pose_matrices(numbers, is_raw=True)[:, :3, 0]
+    x, y, z = (ahead / np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-12)).T
+    # The shortest turn from x to the direction; the opposite direction is half a turn about z.
+    turns = np.column_stack([0 * x, -z, y, 1 + x])
+    turns[x < -1 + 1e-9] = (0.0, 0.0, 1.0, 0.0)
+    return pose_matrices(np.hstack([numbers[:, :3], turns]))
 
 
 class PolygonDisplay(DrawnDisplay):

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.displays.layout import read_layout
+from course_lib.displays.layout import Layout, read_layout
 from course_lib.displays.session import RvizSession
 from course_lib.displays.writer import document
 from course_lib.errors import CourseError
@@ -128,6 +128,26 @@ def test_ros_1_class_fails_as_in_rviz2(session: RvizSession) -> None:
     assert "'rviz/Grid', could not be loaded" in error.text
     assert hint.level == "hint"
     assert hint.text == "rviz/Grid is ROS 1's name. RViz2 has the class rviz_default_plugins/Grid."
+
+
+@pytest.mark.parametrize(
+    ("required", "suggested"),
+    {
+        "rviz/Group": "rviz_common/Group",
+        "rviz_common/Grid": "rviz_default_plugins/Grid",
+        "rviz_default_plugin/Markr": "rviz_default_plugins/Marker",
+        "Path": "rviz_default_plugins/Path",
+        "rviz_plugins/Path": "",
+        "autoware_rviz_plugins/PoseWithCovariance": "",
+    }.items(),
+)
+def test_class_of_another_package_is_not_replaced_by_a_class_of_rviz(required: str, suggested: str) -> None:
+    session = RvizSession(Scene())
+    session.apply(Layout(displays=({"Class": required, "Name": "it"},)))
+    hints = [row.text for row in session.displays[0].rows() if row.level == "hint"]
+    assert [hint.rpartition("RViz2 has the class ")[2] for hint in hints] == [f"{suggested}."] * bool(
+        suggested
+    )
 
 
 def test_unknown_configuration_entries_are_kept(session: RvizSession) -> None:

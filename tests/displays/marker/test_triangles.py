@@ -9,9 +9,11 @@ from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, UVCoordinate
 
+from course_lib.displays import markers
+from course_lib.displays.images import decode_compressed
 from course_lib.displays.markers import hints, triangles
 from course_lib.viewer.drawables import Mesh
-from tests.displays.bench import marker, points
+from tests.displays.bench import Bench, marker, points
 
 SIX = points(*[(float(i), float(i % 2), 0.0) for i in range(6)])
 
@@ -130,3 +132,22 @@ def test_triangles_have_the_marker_color_where_rviz_draws_no_texture(fields: dic
     assert isinstance(mesh, Mesh)
     assert len(mesh.vertices) == 6
     assert hints(message) != ()
+
+
+def test_texture_of_a_message_is_decoded_once_for_its_drawing_and_its_hints(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    decoded: list[object] = []
+
+    def count(*arguments: Any) -> Any:
+        decoded.append(arguments)
+        return decode_compressed(*arguments)
+
+    monkeypatch.setattr(markers, "decode_compressed", count)
+    bench = Bench()
+    for x in (1.0, 2.0):
+        message = textured(color=ColorRGBA(r=0.1, g=0.2, b=0.3, a=1.0))
+        message.texture.data = [*message.texture.data, 0]
+        message.pose.position.x = x
+        bench.show(message)
+    assert len(decoded) == 1

@@ -97,3 +97,23 @@ def test_shapes_at_the_poses_have_the_requested_size(style: str, label: str, par
     assert isinstance(before, Solids)
     assert isinstance(after, Solids)
     assert np.abs(after.placements - before.placements).max() > 0.5
+
+
+@pytest.mark.parametrize(
+    ("style", "part", "ahead"),
+    # Ogre's product of the quaternion and x is (-1, 2, 0).
+    [("Axes", "axes", (0, 1, 0)), ("Arrows", "shaft", np.array([-1, 2, 0]) / np.sqrt(5))],
+)
+def test_quaternion_without_unit_length_does_not_change_the_size_of_the_shapes(
+    style: str, part: str, ahead: Any
+) -> None:
+    bench = Bench()
+    add(bench, pose_style=style, shaft_length=1.0, length=1.0)
+    message = path(0.0, 1.0)
+    message.poses[0].pose.orientation.z = message.poses[0].pose.orientation.w = 1.0
+    message.poses[1].pose.orientation.z, message.poses[1].pose.orientation.w = 2.0, 0.0
+    bench.publish("/path", message)
+    placements = drawables_of(bench)[part].placements
+    assert isinstance(placements, np.ndarray)
+    np.testing.assert_allclose(placements[0][:3, 2], ahead, atol=1e-6)
+    np.testing.assert_allclose(placements[-3 if part == "axes" else -1][:3, 2], (-1, 0, 0), atol=1e-6)
