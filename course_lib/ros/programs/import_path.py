@@ -45,6 +45,7 @@ SUBMODULES = {
     "launch_ros.events": ("lifecycle", "matchers"),
     "launch_xml": ("launch_description_sources",),
     "launch_yaml": ("launch_description_sources",),
+    "rosbag2_py": ("_compression_options", "_info", "_reader", "_storage", "_writer"),
     "ros2_numpy": ("geometry", "image", "occupancy_grid", "point_cloud2", "registry"),
 }
 HOME_MODULES = {
@@ -62,11 +63,13 @@ HOME_MODULES = {
     "launch_ros.parameters_type": "launch_ros.utilities",
     "launch_ros.remap_rule_type": "launch_ros.utilities",
     "launch_ros.substitutions.find_package": "launch_ros.substitutions",
+    "launch_yaml.launch_description_sources": "launch_xml.launch_description_sources",
     "rclpy._rclpy_pybind11": "rclpy.impl.implementation_singleton",
     "rclpy.clock_type": "rclpy.time",
     "rclpy.constants": "rclpy.duration",
     "rclpy.expand_topic_name": "rclpy.impl.names",
     "rclpy.guard_condition": "rclpy.impl.node_handle",
+    "rclpy.impl.logging_severity": "rclpy.impl.arguments",
     "rclpy.lifecycle.managed_entity": "rclpy.lifecycle.node",
     "rclpy.lifecycle.publisher": "rclpy.lifecycle.node",
     "rclpy.logging_service": "rclpy.parameter_service",
@@ -85,10 +88,11 @@ HOME_MODULES = {
     "ros2_numpy.occupancy_grid": "ros2_numpy",
     "ros2_numpy.point_cloud2": "ros2_numpy",
     "ros2_numpy.registry": "ros2_numpy",
-    "rosbag2_py._compression_options": "rosbag2_py._storage",
-    "rosbag2_py._info": "rosbag2_py._storage",
-    "rosbag2_py._reader": "rosbag2_py._storage",
-    "rosbag2_py._writer": "rosbag2_py._storage",
+    "rosbag2_py._compression_options": "rosbag2_py",
+    "rosbag2_py._info": "rosbag2_py",
+    "rosbag2_py._reader": "rosbag2_py",
+    "rosbag2_py._storage": "rosbag2_py",
+    "rosbag2_py._writer": "rosbag2_py",
     "rosidl_parser.definition": "course_lib.ros.messages.idl",
     "rosidl_runtime_py.convert": "rosidl_runtime_py",
     "rosidl_runtime_py.get_interfaces": "rosidl_runtime_py",
@@ -119,8 +123,9 @@ class HomeModuleFinder(Loader):
         folder, _, last_name = name.rpartition(".")
         if name.partition(".")[0] not in _PACKAGES:
             return None
+        home = HOME_MODULES.get(name)
         is_host = name in THIRD_PARTY_IMPORTS or name in SUBMODULES
-        if is_host or name in FOLDERS:
+        if home is None and (is_host or name in FOLDERS):
             spec = PathFinder.find_spec(name, path)
             if spec is None or spec.origin is None:
                 return spec
@@ -130,12 +135,13 @@ class HomeModuleFinder(Loader):
             if name in FOLDERS and spec.submodule_search_locations is None:
                 spec.submodule_search_locations = []
             return spec
-        home = HOME_MODULES.get(name)
         # For a module per class, like launch.actions.execute_process, the home is its folder.
         if home is None and folder in FOLDERS:
             names = {_WORD.sub("_", class_name).lower() for class_name in vars(import_module(folder))}
             home = folder if last_name in names else None
-        return None if home is None else spec_from_loader(name, cls(), origin=home)
+        if home is None:
+            return None
+        return spec_from_loader(name, cls(), origin=home, is_package=name in FOLDERS)
 
     def exec_module(self, module: ModuleType) -> None:
         """Copy the names of the home module."""

@@ -12,9 +12,8 @@ from weakref import WeakMethod
 
 from course_lib.ros.graph.graph import ProgramNodes, current_graph, program
 from course_lib.ros.time.time_lock import time_lock
-from rclpy.impl.arguments import INVALID_ARGUMENTS, Arguments, parse
+from rclpy.impl.arguments import INVALID_ARGUMENTS, Arguments, LogLevels, parse
 from rclpy.impl.implementation_singleton import RCLError, RCLInvalidROSArgsError
-from rclpy.impl.logging_severity import LogLevels
 
 NOT_INITIALIZED = "failed to initialize rcl: "
 

@@ -1,6 +1,6 @@
 """Functions for loggers without a node, and for the levels of all loggers."""
 
-from rclpy.impl.logging_severity import LoggingSeverity as LoggingSeverity
+from rclpy.impl.arguments import LoggingSeverity as LoggingSeverity
 from rclpy.impl.rcutils_logger import RcutilsLogger
 
 

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from enum import IntEnum
 from typing import Any
 
 from course_lib.errors import join_words
@@ -10,7 +11,6 @@ from course_lib.ros.near_names import nearest
 from rclpy.exceptions import NameValidationException
 from rclpy.impl import names
 from rclpy.impl.implementation_singleton import RCLInvalidROSArgsError, UnknownROSArgsError
-from rclpy.impl.logging_severity import LoggingSeverity
 from rclpy.parameter import Parameter
 
 _RULE = re.compile(
@@ -29,6 +29,24 @@ _WORDS = {
     "--params-file": ("params file", "No file path provided."),
     "--log-level": ("log level", "No log level provided."),
 }
+
+
+class LoggingSeverity(IntEnum):
+    """The severities, as rcutils numbers them."""
+
+    UNSET = 0
+    DEBUG = 10
+    INFO = 20
+    WARN = 30
+    ERROR = 40
+    FATAL = 50
+
+
+@dataclass
+class LogLevels:
+    """The log levels of one program in a run, by logger name."""
+
+    by_logger: dict[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

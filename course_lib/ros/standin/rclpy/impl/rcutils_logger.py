@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.notices import repeated_lines
 from rclpy.clock import Clock
-from rclpy.impl.logging_severity import LoggingSeverity, LogLevels
+from rclpy.impl.arguments import LoggingSeverity, LogLevels
 from rclpy.time import Time
 
 if TYPE_CHECKING:
