@@ -167,7 +167,8 @@ def described(file: Path) -> Judged:
     given: dict[str, str] = {}
     prepare_imports(file)
     while True:
-        context = LaunchContext(file=str(file))
+        context = LaunchContext()
+        context.file = str(file)
         context.launch_configurations |= given
         context.runner = dry = _Dry(context)
         try:

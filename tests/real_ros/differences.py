@@ -133,6 +133,27 @@ SIGNATURES = dict.fromkeys(
     _CONSTRUCTORS,
 )
 
+# Parameters of launch and tf2_ros that only one side has. They have a row, too.
+PARAMETERS_OF_LAUNCH = "Parameters of `launch` and `tf2_ros`"
+LAUNCH_SIGNATURES = {
+    "launch.Action": ["do=None"],
+    "launch.Substitution": ["make=None"],
+    **{
+        f"launch.launch_description_sources.{name}": ["keyword parser=..."]
+        for name in (
+            "FrontendLaunchDescriptionSource",
+            "get_launch_description_from_any_launch_file",
+            "get_launch_description_from_frontend_launch_file",
+        )
+    },
+    "launch_ros.parameter_descriptions.ParameterValue.evaluate": ["name=''"],
+    "tf2_ros.TransformListener": [
+        "keyword static_only=False",
+        "keyword tf_static_topic='/tf_static'",
+        "keyword tf_topic='/tf'",
+    ],
+}
+
 # Programs whose exit code differs, because the run ends on request and not by Ctrl+C.
 END_OF_A_RUN = "The end of a run"
 ENDS_AS_ASKED = ("plain_spin", "while_ok")

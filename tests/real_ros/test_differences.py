@@ -49,7 +49,7 @@ def test_differences_of_programs_have_rows() -> None:
     test_of_programs = "test_end_of_a_run_has_the_same_effect_on_a_program_as_ctrl_c"
     assert test_of_programs in _tests_of(differences.END_OF_A_RUN)
     rows = (*differences.OTHER_VALUES.values(), *differences.MISTAKES.values())
-    for row in (*rows, *differences.SIGNATURES.values()):
+    for row in (*rows, *differences.SIGNATURES.values(), differences.PARAMETERS_OF_LAUNCH):
         assert _tests_of(row)
     for row in differences.NODES.values():
         assert "test_node_of_the_course_has_the_outcome_of_the_real_rclpy" in _tests_of(row)

@@ -145,13 +145,13 @@ def _frozen_list(file: str) -> Any:
     return ast.literal_eval(outcomes[file])
 
 
-def _find(name: str) -> Any:
-    """Return the attribute of the kit's rclpy with a dotted name, in which a class may come last but one."""
+def _find(name: str, *default: object) -> Any:
+    """Return the attribute of the kit with a dotted name, in which a class may come last but one."""
     owner, _, attribute = name.rpartition(".")
     try:
-        return getattr(importlib.import_module(owner), attribute)
+        return getattr(importlib.import_module(owner), attribute, *default)
     except ModuleNotFoundError:
-        return getattr(_find(owner), attribute)
+        return getattr(_find(owner, *default), attribute, *default)
 
 
 def test_parameters_of_each_public_callable_are_those_of_rclpy(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -163,6 +163,39 @@ def test_parameters_of_each_public_callable_are_those_of_rclpy(monkeypatch: pyte
     different = {name for name, text in found.items() if kits[name] != text}
     assert {name: (found[name], kits[name]) for name in different - differences.SIGNATURES.keys()} == {}
     assert differences.SIGNATURES.keys() - different == set()
+
+
+LAUNCH = json.loads((HERE / "frozen" / "launch_signatures.json").read_text("utf-8"))["outcomes"]
+
+
+def test_public_names_of_launch_and_tf2_ros_missing_in_the_kit_are_listed() -> None:
+    page = (HERE.parents[1] / "docs" / "simulated.md").read_text("utf-8")
+    section = page.split("\n## Names of rclpy")[1].split("\n## ")[0]
+    listed = set(re.findall(r"`((?:launch|launch_ros|tf2_ros)\.[\w.]+)`", section))
+    everywhere = set(re.findall(r"`(\w+)`", section.partition("|")[0]))
+    missing = {name for name in LAUNCH if _find(name, None) is None}
+    named = {name for name in missing if name.rpartition(".")[2] not in everywhere}
+    assert {name for name in named if not _with_owners(name) & listed} == set()
+    assert {name for name in listed if _find(name, None) is not None} == set()
+
+
+def test_parameters_of_public_callables_of_launch_and_tf2_ros_are_those_of_ros(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.syspath_prepend(HERE / "probes")
+    parameters = importlib.import_module("signatures").parameters
+    found = {name: value for name in LAUNCH if (value := _find(name, None)) is not None}
+    assert len(found) > 200
+    different = {}
+    for name, value in found.items():
+        ros, kit = LAUNCH[name], parameters(value) or ""
+        of_ros, of_kit = ({one for one in text.split(", ") if one and one[:2] != "**"} for text in (ros, kit))
+        # Either side may collect options of base classes in **kwargs that the other one lists.
+        unlike = [one for one in of_ros - of_kit if not (one.startswith("keyword") and "**" in kit)]
+        unlike += [one for one in of_kit - of_ros if not (one.startswith("keyword") and "**" in ros)]
+        if unlike:
+            different[name] = sorted(unlike)
+    assert different == differences.LAUNCH_SIGNATURES
 
 
 def test_names_that_only_the_kit_has_are_listed() -> None:

@@ -27,7 +27,7 @@ from launch.actions import IncludeLaunchDescription, find_declarations
 from launch.conditions import InvalidConditionExpressionError
 from launch.entities import Action, Entities, Event, LaunchContext, Substitution, as_entity_list, text_of
 from launch.event_handlers import OnProcessIO
-from launch.launch_description_sources import LaunchDescriptionSource
+from launch.launch_description_sources import AnyLaunchDescriptionSource
 
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import THREADS, current_graph, program
@@ -263,7 +263,8 @@ class LaunchProgram(Process):
                 self._settings[name] = value
             else:
                 self._node_arguments.append(argument)
-        self._context = LaunchContext(self, file=str(file.absolute()))
+        self._context = LaunchContext(argv=args)
+        self._context.runner, self._context.file = self, str(file.absolute())
         self._processes = Processes()
         self._prefixes = OutputPrefixes(self._on_output)
         self._started: list[tuple[Action, Process]] = []
@@ -376,10 +377,16 @@ class LaunchProgram(Process):
         node_arguments = ["--", *self._node_arguments] if self._node_arguments else []
         process = _LaunchedProcess(name, function, [*arguments, *node_arguments], self._prefixes)
         self._started.append((action, process))
-        action.process_details = {"name": name, "pid": pid, "cmd": process.argv}
+        action.process_details = self._process_details(pid)
         self._processes.start(process)
         self.log("INFO", name, f"process started with pid [{pid}]")
-        self.emit(events.ProcessStarted(action, name, pid, process.argv))
+        self.emit(events.ProcessStarted(**action.process_details))
+
+    def _process_details(self, pid: int) -> dict[str, Any]:
+        """Return the details of a process as in launch. Here none has its own folder or environment."""
+        action, process = self._started[pid - 1]
+        command = {"name": process.file.name, "cmd": process.argv, "cwd": None, "env": None}
+        return {"action": action, "pid": pid, **command}
 
     def later(self, seconds: float, entities: Entities) -> None:
         """Visit entities after `seconds` of robot time [s]."""
@@ -425,10 +432,9 @@ class LaunchProgram(Process):
     def _on_output(self, name: str, number: int, text: str) -> None:
         """Emit the output of a process if there is a handler for such events."""
         if any(isinstance(handler, OnProcessIO) for handler in self._context.handlers):
-            pid = int(name.rpartition("-")[2])
-            action, process = self._started[pid - 1]
+            details = self._process_details(int(name.rpartition("-")[2]))
             kind = events.ProcessStderr if number == 2 else events.ProcessStdout
-            self.emit(kind(action, name, pid, process.argv, text.encode(), number))
+            self.emit(kind(text=text.encode(), **details))
 
     def log(self, level: str, name: str, text: str) -> None:
         """Write a line to the log of the launch itself."""
@@ -437,7 +443,7 @@ class LaunchProgram(Process):
     def describe(self) -> Entities:
         """Return the launch description of the file."""
         prepare_imports(self.file)
-        return LaunchDescriptionSource(self.file).get_launch_description(self._context)
+        return AnyLaunchDescriptionSource(self.file).get_launch_description(self._context)
 
     def _visit(self, entities: Entities | None, parent: object = None) -> None:
         for entity in as_entity_list(entities):
@@ -482,8 +488,9 @@ class LaunchProgram(Process):
         is_known = action in self._skipped or len(self._skipped) > _MAX_SKIPPED
         self._skipped[action] = reason
         if action.continues and not is_known:
-            self.emit(events.ProcessStarted(action))
-            self.emit(events.ProcessExited(action))
+            details = {"action": action, "name": "", "cmd": [], "cwd": None, "env": None, "pid": 0}
+            self.emit(events.ProcessStarted(**details))
+            self.emit(events.ProcessExited(returncode=0, **details))
             self._due_actions.append(partial(self._context.complete, action))
 
     def _run_until_done(self) -> None:
@@ -507,7 +514,7 @@ class LaunchProgram(Process):
                         self._due_actions.pop(0)()
                 return
             except KeyboardInterrupt:
-                self.emit(events.Shutdown("ctrl-c (SIGINT)", due_to_sigint=True))
+                self.emit(events.Shutdown(reason="ctrl-c (SIGINT)", due_to_sigint=True))
             except DeadlockError:
                 self._shut_down()
                 self._run_until_done()
@@ -556,7 +563,7 @@ class LaunchProgram(Process):
             else:
                 self.log("INFO", name, f"process has finished cleanly [pid {pid}]")
             self.exit_code = self.exit_code or code
-            self.emit(events.ProcessExited(action, name, pid, process.argv, code))
+            self.emit(events.ProcessExited(returncode=code, **self._process_details(pid)))
             self._due_actions.append(partial(self._context.complete, action))
         return self._reported_ends < len(self._started)
 

@@ -1,13 +1,16 @@
 # mypy: disable-error-code="import-not-found, untyped-decorator"
 """The parameters of the public functions, classes and methods that rclpy's modules define.
 
-Errors, enumerations and what Python's own classes define are left out.
+Errors, enumerations and what Python's own classes define are left out. With names of packages as
+arguments, it prints those of other packages whose sources are on Python's path.
 """
 
 import importlib
 import inspect
+import json
 import pkgutil
-from collections.abc import Callable, Iterator
+import sys
+from collections.abc import Callable, Iterable, Iterator
 from enum import Enum
 
 import rclpy
@@ -51,9 +54,35 @@ def _callables(path: str) -> Iterator[tuple[str, Callable[..., object]]]:
                     yield f"{path}.{name}.{attribute}", method
 
 
+def _exported(package: str) -> Iterator[tuple[str, Callable[..., object]]]:
+    """Yield the callables that packages and the first modules below export, by their shortest name."""
+    root = importlib.import_module(package)
+    below = _walk(root.__path__, f"{package}.")
+    modules = [package, *(one.name for one in below if one.ispkg or one.name.count(".") == 1)]
+    seen: set[int] = set()
+    for path in sorted(modules, key=lambda name: name.count(".")):
+        for name, value in vars(importlib.import_module(path)).items():
+            is_own = str(getattr(value, "__module__", "")).startswith(path) and callable(value)
+            is_class = inspect.isclass(value)
+            if name[0] == "_" or not is_own or id(value) in seen:
+                continue
+            if is_class and issubclass(value, BaseException | Enum):
+                continue
+            seen.add(id(value))
+            yield f"{path}.{name}", value
+            for attribute in dir(value) if is_class else ():
+                if attribute[0] != "_" and inspect.isfunction(method := getattr(value, attribute)):
+                    yield f"{path}.{name}.{attribute}", method
+
+
+def _walk(folder: Iterable[str], prefix: str) -> Iterator[pkgutil.ModuleInfo]:
+    # The sources of launch contain a test.
+    return (one for one in pkgutil.walk_packages(folder, prefix) if not one.name.endswith("conftest"))
+
+
 @probe
 def signatures() -> dict[str, str]:
-    paths = ["rclpy", *(one.name for one in pkgutil.walk_packages(rclpy.__path__, "rclpy."))]
+    paths = ["rclpy", *(one.name for one in _walk(rclpy.__path__, "rclpy."))]
     public = [path for path in paths if "._" not in path and not path.startswith("rclpy.impl")]
     found = {name: parameters(value) for path in public for name, value in _callables(path)}
     # Methods that rclpy wraps show only the wrapper's parameters.
@@ -62,4 +91,8 @@ def signatures() -> dict[str, str]:
 
 
 if __name__ == "__main__":
-    main()
+    if sys.argv[1:]:
+        found = {name: parameters(value) for package in sys.argv[1:] for name, value in _exported(package)}
+        sys.stdout.write(f"{json.dumps(dict(sorted(found.items())), indent=1)}\n")
+    else:
+        main()

@@ -33,7 +33,7 @@ from launch.entities import SomeSubstitutionsType as Some
 from launch.event_handlers import OnProcessExit
 from launch.events import ProcessExited
 from launch.events import Shutdown as ShutdownEvent
-from launch.launch_description_sources import LaunchDescriptionSource
+from launch.launch_description_sources import AnyLaunchDescriptionSource, LaunchDescriptionSource
 
 _STATES: Mapping[str, Callable[[LaunchContext], MutableMapping[str, Any]]] = {
     "environment": lambda context: context.environment,
@@ -244,13 +244,13 @@ class Executable:
         self,
         *,
         cmd: Iterable[Some],
-        arguments: Iterable[Some] = (),
+        arguments: Iterable[Some] | None = None,
         **options: Any,
     ) -> None:
         unknown_options("Executable", options, NO_DIFFERENCE | {"name"})
         if isinstance(cmd, str):
             raise TypeError(f"ExecuteProcess: cmd={cmd!r}, expected a list of words: cmd={cmd.split()!r}")
-        self.cmd = [*cmd, *arguments]
+        self.cmd = [*cmd, *(arguments or ())]
 
 
 class ExecuteLocal(Action):
@@ -443,7 +443,7 @@ class IncludeLaunchDescription(Action):
     ) -> None:
         source = launch_description_source
         if not isinstance(source, LaunchDescriptionSource):
-            source = LaunchDescriptionSource(source)
+            source = AnyLaunchDescriptionSource(source)
         self.source = source
         if isinstance(launch_arguments, Mapping):
             raise TypeError(
@@ -453,7 +453,7 @@ class IncludeLaunchDescription(Action):
         arguments = [SetLaunchConfiguration(*pair) for pair in launch_arguments or ()]
 
         def do(context: LaunchContext) -> list[LaunchDescriptionEntity]:
-            outer, file = context.file, str(source.location(context))
+            outer, file = context.file, source.expand_location(context)
             if not Path(file).exists() and Path(f"{file}.in").is_file():
                 raise NotAvailableError(
                     f"{file} is made from {Path(file).name}.in when its package is built by CMake."

@@ -26,7 +26,7 @@ class Event:
     """An event of a launch."""
 
 
-@dataclass
+@dataclass(kw_only=True)
 class ExecutionComplete(Event):
     """The completion of an action: the exit of its process, or the return of `execute` without one."""
 
@@ -80,26 +80,29 @@ class LaunchContext:
     """The state of a launch: launch configurations, event handlers and the current launch file.
 
     `locals` has the `event` that is being handled. `kept` has the stacks of states that Push…
-    actions save, by kind.
+    actions save, by kind. The program that runs the launch sets `runner` and `file`.
     """
 
-    def __init__(self, runner: Any = None, *, file: str = "") -> None:
+    # A launch that only performs substitutions has no runner.
+    runner: Runner = None  # type: ignore[assignment]
+    file = ""
+
+    def __init__(self, *, argv: Iterable[str] | None = None, noninteractive: bool = False) -> None:
+        self.argv, self.noninteractive = argv if argv is not None else [], noninteractive
         self.launch_configurations: dict[str, Any] = {}
         self.handlers: list[BaseEventHandler] = []
         self.locals = SimpleNamespace()
         self.kept: dict[str, list[dict[str, Any]]] = {}
         self.environment_at_start = dict(os.environ)
-        self.file = file
-        self.runner: Runner = runner
 
     @property
     def environment(self) -> MutableMapping[str, str]:
         """The variables of the environment."""
         return os.environ
 
-    def register_event_handler(self, event_handler: "BaseEventHandler") -> None:
-        """Add a handler. As in ROS, the newest handler is called first."""
-        self.handlers.insert(0, event_handler)
+    def register_event_handler(self, event_handler: "BaseEventHandler", append: bool = False) -> None:
+        """Add a handler, which is called before the others, or after them with `append`."""
+        self.handlers.insert(len(self.handlers) if append else 0, event_handler)
 
     def unregister_event_handler(self, event_handler: "BaseEventHandler") -> None:
         """Remove a handler. Raise ValueError if it was not registered."""
@@ -107,7 +110,7 @@ class LaunchContext:
 
     def complete(self, action: "Action") -> None:
         """Emit the completion of an action if a handler waits for it."""
-        event = ExecutionComplete(action)
+        event = ExecutionComplete(action=action)
         if any(handler.matches(event) for handler in self.handlers):
             self.runner.emit(event)
 
@@ -156,12 +159,12 @@ def text_of(context: LaunchContext, parts: SomeSubstitutionsType) -> str:
 class Condition:
     """A predicate that is evaluated when its action is visited."""
 
-    def __init__(self, *, predicate: Callable[[LaunchContext], bool]) -> None:
+    def __init__(self, *, predicate: Callable[[LaunchContext], bool] | None = None) -> None:
         self._predicate = predicate
 
     def evaluate(self, context: LaunchContext) -> bool:
         """Return whether the action is executed."""
-        return self._predicate(context)
+        return self._predicate is not None and self._predicate(context)
 
 
 class LaunchDescriptionEntity:
@@ -248,11 +251,13 @@ class LaunchDescription(LaunchDescriptionEntity):
             context.runner.log("WARNING", "launch", text)
         return self.entities
 
+    def add_entity(self, entity: LaunchDescriptionEntity) -> None:
+        """Append an entity."""
+        self.entities.append(entity)
+
     def add_action(self, action: LaunchDescriptionEntity) -> None:
         """Append an action."""
         self.entities.append(action)
-
-    add_entity = add_action
 
 
 class BaseEventHandler:

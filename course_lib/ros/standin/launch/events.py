@@ -2,13 +2,14 @@
 
 import signal
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Any
 
 from launch.entities import Action, Event, LaunchDescription
 from launch.entities import ExecutionComplete as ExecutionComplete
 
 
-@dataclass
+@dataclass(kw_only=True)
 class Shutdown(Event):
     """The shutdown of the launch and all its processes."""
 
@@ -23,55 +24,59 @@ class IncludeLaunchDescription(Event):
     launch_description: LaunchDescription
 
 
-@dataclass
 class RunningProcessEvent(Event):
     """Base class of process events. `action` is the action that started the process."""
 
-    action: Action
-    process_name: str = ""
-    pid: int = 0
-    cmd: list[str] = field(default_factory=list)
+    def __init__(
+        self,
+        *,
+        action: Action,
+        name: str,
+        cmd: list[str],
+        cwd: str | None,
+        env: dict[str, str] | None,
+        pid: int,
+    ) -> None:
+        self.action, self.process_name, self.pid = action, name, pid
+        self.cmd, self.cwd, self.env = cmd, cwd, env
 
 
-@dataclass
 class ProcessStarted(RunningProcessEvent):
     """The start of a process."""
 
 
-@dataclass
 class ProcessExited(RunningProcessEvent):
     """The exit of a process."""
 
-    returncode: int = 0
+    def __init__(self, *, returncode: int, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self.returncode = returncode
 
 
-@dataclass
 class ProcessIO(RunningProcessEvent):
     """A line of output of a process. `fd` is 1 for standard output, 2 for standard error."""
 
-    text: bytes = b""
-    fd: int = 1
-
-    @property
-    def from_stdout(self) -> bool:
-        """True for standard output."""
-        return self.fd == 1
-
-    @property
-    def from_stderr(self) -> bool:
-        """True for standard error."""
-        return self.fd == 2
+    def __init__(self, *, text: bytes, fd: int, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self.text, self.fd = text, fd
+        self.from_stdout, self.from_stderr = fd == 1, fd == 2
 
 
 class ProcessStdout(ProcessIO):
     """A line of a process on standard output."""
 
+    def __init__(self, *, text: bytes, **kwargs: Any) -> None:
+        super().__init__(text=text, fd=1, **kwargs)
+
 
 class ProcessStderr(ProcessIO):
     """A line of a process on standard error."""
 
+    def __init__(self, *, text: bytes, **kwargs: Any) -> None:
+        super().__init__(text=text, fd=2, **kwargs)
 
-@dataclass
+
+@dataclass(kw_only=True)
 class ProcessTargetedEvent(Event):
     """Base class of requests to the processes of the matching actions."""
 
@@ -92,9 +97,9 @@ class SignalProcess(ProcessTargetedEvent):
     signal_number: str | signal.Signals
 
 
-def matches_action(target: Action) -> Callable[[Action], bool]:
+def matches_action(target_action: Action) -> Callable[[Action], bool]:
     """Return a matcher for one action."""
-    return lambda action: action is target
+    return lambda action: action is target_action
 
 
 def matches_pid(pid: int) -> Callable[[Action], bool]:

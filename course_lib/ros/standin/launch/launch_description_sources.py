@@ -5,7 +5,7 @@ from collections.abc import Callable
 from difflib import get_close_matches
 from pathlib import Path
 from types import ModuleType
-from typing import Any, ClassVar, cast
+from typing import ClassVar, cast
 
 from course_lib.ros.programs.packages import LAUNCH_IN_WORDS
 from course_lib.ros.syntax_hints import syntax_hint
@@ -17,6 +17,7 @@ from launch.entities import (
     LaunchDescription,
     LaunchDescriptionEntity,
     SomeSubstitutionsType,
+    Substitution,
     text_of,
 )
 from launch.frontend.grammar import InvalidFrontendLaunchFileError as InvalidFrontendLaunchFileError
@@ -44,10 +45,10 @@ def load_python_launch_file_as_module(python_launch_file_path: str | Path) -> Mo
 
 
 def get_launch_description_from_python_launch_file(
-    launch_file_path: str | Path,
+    python_launch_file_path: str | Path,
 ) -> LaunchDescription:
     """Execute a Python file and return its launch description."""
-    file = Path(launch_file_path)
+    file = Path(python_launch_file_path)
     if file.suffix in LAUNCH_IN_WORDS:
         raise InvalidPythonLaunchFileError(
             f"{file} is not a Python file. Include it with AnyLaunchDescriptionSource."
@@ -86,10 +87,10 @@ def get_launch_description_from_python_launch_file(
 
 
 def get_launch_description_from_frontend_launch_file(
-    launch_file_path: str | Path,
+    frontend_launch_file_path: str | Path,
 ) -> LaunchDescription:
     """Read an XML or YAML file and return its launch description."""
-    return description_of(Path(launch_file_path))
+    return description_of(Path(frontend_launch_file_path))
 
 
 def get_launch_description_from_any_launch_file(launch_file_path: str | Path) -> LaunchDescription:
@@ -103,33 +104,67 @@ def get_launch_description_from_any_launch_file(launch_file_path: str | Path) ->
 
 
 class LaunchDescriptionSource:
-    """A launch file of any format."""
+    """A launch description, and where it comes from.
 
-    read: ClassVar[Callable[[Path], LaunchDescription]] = get_launch_description_from_any_launch_file
+    `location` is a path after `get_launch_description` was called.
+    """
 
-    def __init__(self, launch_file_path: SomeSubstitutionsType, **options: Any) -> None:
-        self._path = launch_file_path
+    def __init__(
+        self,
+        launch_description: LaunchDescription | None = None,
+        location: SomeSubstitutionsType = "<string>",
+        method: str = "unspecified mechanism from a script",
+    ) -> None:
+        self._description, self._parts, self.method = launch_description, location, method
+        is_single = isinstance(location, str | Path | Substitution)
+        self.location = " + ".join(map(str, [location] if is_single else location))
 
-    def location(self, context: LaunchContext) -> Path:
-        """Return the absolute path of the file."""
-        return Path(text_of(context, self._path)).absolute()
+    def expand_location(self, context: LaunchContext) -> str:
+        """Return the location as an absolute path, or unchanged if it has a description."""
+        location = text_of(context, self._parts)
+        self.location = location if self._description else str(Path(location).absolute())
+        return self.location
 
     def get_launch_description(self, context: LaunchContext) -> LaunchDescription:
-        """Return the launch description of the file."""
-        return type(self).read(self.location(context))
+        """Return the launch description."""
+        if self._description is None:
+            raise RuntimeError(
+                "LaunchDescriptionSource.get_launch_description(): "
+                "called without launch description being set"
+            )
+        return self._description
 
 
 class AnyLaunchDescriptionSource(LaunchDescriptionSource):
     """A launch file in Python, XML or YAML."""
 
+    read: ClassVar[Callable[[str], LaunchDescription]] = get_launch_description_from_any_launch_file
 
-class PythonLaunchDescriptionSource(LaunchDescriptionSource):
+    def __init__(self, launch_file_path: SomeSubstitutionsType) -> None:
+        super().__init__(None, launch_file_path, "interpreted launch file")
+
+    def get_launch_description(self, context: LaunchContext) -> LaunchDescription:
+        """Return the launch description of the file."""
+        return type(self).read(self.expand_location(context))
+
+
+class PythonLaunchDescriptionSource(AnyLaunchDescriptionSource):
     """A launch file in Python."""
 
     read = get_launch_description_from_python_launch_file
 
+    def __init__(self, launch_file_path: SomeSubstitutionsType) -> None:
+        super().__init__(launch_file_path)
+        self.method = "interpreted python launch file"
 
-class FrontendLaunchDescriptionSource(LaunchDescriptionSource):
+
+class FrontendLaunchDescriptionSource(AnyLaunchDescriptionSource):
     """A launch file in XML or YAML."""
 
     read = get_launch_description_from_frontend_launch_file
+
+    def __init__(
+        self, launch_file_path: SomeSubstitutionsType, *, method: str = "interpreted frontend launch file"
+    ) -> None:
+        super().__init__(launch_file_path)
+        self.method = method

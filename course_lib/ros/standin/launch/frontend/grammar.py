@@ -58,16 +58,16 @@ def register_elements() -> None:
     import_module("launch.frontend.elements")
 
 
-def parse_substitution(text: str) -> Parts:
+def parse_substitution(string_value: str) -> Parts:
     """Parse a string with `$(…)`. Raise a ValueError that shows the position of an error."""
-    if "$(" in text:
+    if "$(" in string_value:
         # A Python launch file does not register them, but its parameter files may need them.
         register_elements()
-    if not text:
+    if not string_value:
         return [TextSubstitution(text="")]
-    reader = _Reader(text)
+    reader = _Reader(string_value)
     parts = reader.read_parts(_STRING, "")
-    if reader.at < len(text):
+    if reader.at < len(string_value):
         reader.fail("the end")
     return parts
 
