@@ -488,7 +488,7 @@ class LaunchProgram(Process):
         is_known = action in self._skipped or len(self._skipped) > _MAX_SKIPPED
         self._skipped[action] = reason
         if action.continues and not is_known:
-            details = {"action": action, "name": "", "cmd": [], "cwd": None, "env": None, "pid": 0}
+            details: Any = {"action": action, "name": "", "cmd": [], "cwd": None, "env": None, "pid": 0}
             self.emit(events.ProcessStarted(**details))
             self.emit(events.ProcessExited(returncode=0, **details))
             self._due_actions.append(partial(self._context.complete, action))

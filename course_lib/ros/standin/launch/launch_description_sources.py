@@ -116,8 +116,8 @@ class LaunchDescriptionSource:
         method: str = "unspecified mechanism from a script",
     ) -> None:
         self._description, self._parts, self.method = launch_description, location, method
-        is_single = isinstance(location, str | Path | Substitution)
-        self.location = " + ".join(map(str, [location] if is_single else location))
+        parts = [location] if isinstance(location, str | Path | Substitution) else location
+        self.location = " + ".join(map(str, parts))
 
     def expand_location(self, context: LaunchContext) -> str:
         """Return the location as an absolute path, or unchanged if it has a description."""
