@@ -7,6 +7,7 @@ from pathlib import Path
 from pkgutil import iter_modules
 
 from course_lib.ros import near_names
+from course_lib.ros.messages.definitions import FOLDERS, RENAMED
 from course_lib.ros.programs.packages import clone_instructions, skipped_folder_reason
 from course_lib.ros.student_code import public_attributes
 
@@ -261,7 +262,14 @@ def _interface_hint(missing: str, package: str, kind: str) -> str:
     for number, (holder, one, names) in enumerate(places):
         if similar := near_names.nearest(missing, names, 0.75 if number < len(modules) else 0.85):
             return f"did you mean {similar}? `from {holder}.{one} import {similar}`"
-    return ""
+    if kind not in kinds:
+        return ""
+    if package in RENAMED or any((folder / package).is_dir() for folder in FOLDERS):
+        return (
+            f"your package {package} has no file {kind}/{missing}.{kind}: write it, or import what the "
+            f"package has: {', '.join(kinds[kind])}."
+        )
+    return f"`%ros2 interface package {package}` lists what {package} has."
 
 
 def skipped_interfaces_hint(error: BaseException) -> str:

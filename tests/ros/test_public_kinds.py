@@ -305,6 +305,16 @@ KINDS = {
         },
         lacks=("command not found", "Traceback"),
     ),
+    "interface without a file": Kind(
+        ("course run p.py",),
+        ("your package barrow_msgs has no file msg/Wheel.msg", "what the package has: Load."),
+        {
+            "barrow_msgs/package.xml": MANIFEST.format("barrow_msgs"),
+            "barrow_msgs/msg/Load.msg": "float64 mass\n",
+            "p.py": "from barrow_msgs.msg import Wheel\n",
+        },
+        lacks=("next to the program",),
+    ),
     "known package that is not found": Kind(
         ("course run k.launch.xml", "course run t.launch.xml"),
         ("urdf_package", "'twist_mux' not found"),
