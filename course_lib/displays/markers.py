@@ -506,6 +506,9 @@ class MarkerStore:
         self._statuses = statuses
         self._queue: list[tuple[Any, int]] = []
         self.live: dict[Key, DisplayedMarker] = {}
+        # Those that expire or move with a frame. Visiting all markers in each frame would keep a
+        # processor busy.
+        self._changing: dict[Key, DisplayedMarker] = {}
         self.namespaces: dict[str, bool] = {}
 
     def add(self, markers: Iterable[Any]) -> None:
@@ -535,7 +538,7 @@ class MarkerStore:
             self._process(marker, received_ns)
         many = [_MANY_MARKERS_HINT.format(len(self.live))] if len(self.live) > _MANY_MARKERS else []
         self._statuses.hint("Markers", *many)
-        for key, live in list(self.live.items()):
+        for key, live in list(self._changing.items()):
             if live.expires_ns <= self._context.now_ns:
                 self._delete(key)
                 if not self.live:
@@ -553,6 +556,7 @@ class MarkerStore:
         for live in self.live.values():
             self._context.scene.delete(live.path)
         self.live.clear()
+        self._changing.clear()
         self._queue.clear()
 
     def set_namespaces(self, namespaces: Mapping[str, bool]) -> None:
@@ -600,6 +604,9 @@ class MarkerStore:
         self._statuses.hint("Lifetime")
         before = self.live.get(key)
         live = self.live[key] = self._draw(marker, received_ns, before)
+        self._changing.pop(key, None)
+        if marker.frame_locked or math.isfinite(live.expires_ns):
+            self._changing[key] = live
         if live.drawn.is_rejected:
             self._report_drawing(live)
         else:
@@ -677,6 +684,7 @@ class MarkerStore:
     def _delete(self, key: Key) -> None:
         self._statuses.delete(f"{key[0]}/{key[1]}")
         live = self.live.pop(key, None)
+        self._changing.pop(key, None)
         if live:
             self._context.scene.delete(live.path)
 

@@ -1,3 +1,4 @@
+import math
 from collections.abc import Callable
 from math import nan
 
@@ -7,6 +8,7 @@ from geometry_msgs.msg import Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from course_lib.displays.markers import DisplayedMarker
 from course_lib.errors import CourseError
 from tests.displays.bench import ARRAY, Bench, at, marker, points
 
@@ -211,3 +213,26 @@ def test_marker_type_unsupported_by_rviz_is_not_drawn_and_has_no_status() -> Non
     assert bench.marker_names() == []
     assert bench.status(bench.array, "n/0") is None
     assert any("Unknown marker type: 12" in hint for hint in bench.hints(bench.array))
+
+
+def test_frame_without_new_messages_visits_only_markers_that_expire_or_are_locked(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    bench = Bench()
+    bench.show(*(marker(number=number) for number in range(20)))
+    bench.show(marker(number=20, lifetime=Duration(sec=1)), marker(number=21, frame_locked=True))
+    bench.show(marker(number=1, lifetime=Duration(sec=1)), marker(number=2, lifetime=Duration(sec=1)))
+    bench.show(marker(number=2))
+    visited: list[int] = []
+
+    def visit(live: DisplayedMarker) -> float:
+        visited.append(live.marker.id)
+        return math.inf
+
+    monkeypatch.setattr(DisplayedMarker, "expires_ns", property(visit))
+    bench.update(0.5)
+    assert sorted(visited) == [1, 20, 21]
+    bench.show(Marker(action=Marker.DELETEALL), at=0.6)
+    visited.clear()
+    bench.update(0.7)
+    assert visited == []
