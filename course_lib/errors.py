@@ -38,7 +38,7 @@ def shorten_words(text: str) -> str:
 
 
 def did_you_mean(name: str, there: Iterable[str], max_count: int = 1) -> str:
-    """Return a suggestion of the closest names to append to a sentence without period, or ""."""
+    """Return a suggestion of the closest names, which ends a sentence without a period, or ""."""
     close = get_close_matches(name, list(there), n=max_count, cutoff=0.5)
     return f". Did you mean {' or '.join(close)}?" if close else ""
 

@@ -80,7 +80,7 @@ def save_as(path: str | Path, data: bytes, subject: str) -> None:
 def draft_folder(target: Path) -> Iterator[Path]:
     """Create a temporary folder next to a file or folder, in which its new content is prepared.
 
-    Afterwards it is deleted, also if the program is ended by `kill` or with its terminal. After an
+    Afterwards it is deleted, even if the program is ended by `kill` or with its terminal. After an
     error, so are the parents of the target that were created.
 
     Raises:

@@ -197,7 +197,7 @@ def apply_changes(variant: Variant, name: str, cells: Sequence[str]) -> dict[int
     changed_cells: dict[int, str] = {}
     for old, new in variant.change:
         if old == new:
-            raise CourseError(f"{old!r} is replaced by itself")
+            raise CourseError(f"change: {old!r} is replaced by itself, expected a different new text")
         now = [changed_cells.get(place, cell) for place, cell in enumerate(cells)]
         there = [i for i, cell in enumerate(now) if old in cell and re.search(rf"\b{name}\b", cell)]
         if len(there) != 1:

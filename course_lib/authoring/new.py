@@ -1,4 +1,4 @@
-"""`course new-week` and `course new-course`: files filled from templates."""
+"""`course new week09` and `course new course`: files filled from templates."""
 
 import base64
 import re

@@ -102,7 +102,7 @@ class NotebookPage:
 def _questions(cell: str) -> Iterator[tuple[str, str]]:
     try:
         tree = parse_cell(cell)
-    # The rule about syntax reports it.
+    # Another rule reports syntax errors.
     except SyntaxError:
         return
     calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))

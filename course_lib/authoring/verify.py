@@ -132,7 +132,7 @@ class WeekRehearsals:
         return self._pool.map(rehearse, rehearsals, [self._course] * len(rehearsals))
 
     def _whole_rehearsals(self) -> Iterator[tuple[Rehearsal, Look]]:
-        """Yield the rehearsals of the solution with other options, the stub, and files of answers."""
+        """Yield the rehearsals of whole notebooks: each option of the solution, the stub, answer files."""
         ids = tuple(task.id for task in self._tasks)
         plain = Rehearsal(self._week, "the solution", self._cells, ids, hollow=True)
         for row in range(1, count_options(self._tasks)):

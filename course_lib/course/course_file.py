@@ -81,7 +81,9 @@ class Limits:
 
     def __post_init__(self) -> None:
         if none := [name for name, limit in vars(self).items() if not limit]:
-            raise CourseError(f"{none[0]}: 0, expected a number above 0, as nothing could run")
+            raise CourseError(
+                f"{none[0]}: 0, expected a number above 0, because with this limit nothing can run"
+            )
 
     @property
     def memory_of_all_processes(self) -> float:

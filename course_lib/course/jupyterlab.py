@@ -21,9 +21,9 @@ def kernel_options() -> list[str]:
 
 
 def skip_yarn() -> None:
-    """Leave out JupyterLab's question to yarn, which takes a second where Node.js is installed.
+    """Skip JupyterLab's query of yarn's configuration, which takes a second where Node.js is installed.
 
-    The answer is the registry of packages from which JupyterLab would build itself again.
+    The configuration contains the package registry from which JupyterLab would rebuild itself.
     """
     from jupyterlab import commands
 
@@ -31,7 +31,7 @@ def skip_yarn() -> None:
 
 
 if __name__ == "__main__":
-    # JupyterLab already asks when it is imported.
+    # Called first, because importing jupyterlab.labapp already queries yarn.
     skip_yarn()
     from jupyterlab.labapp import main
 

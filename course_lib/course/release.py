@@ -85,7 +85,7 @@ def require_closed_weeks(weeks: Iterable[str]) -> None:
                 "and late days: release its solution after that"
             )
         if not _solution(week).is_file():
-            raise CourseError(f"{week} has no solution: there is no {_solution(week)}")
+            raise CourseError(f"{week} has no solution to release: {_solution(week)} does not exist")
 
 
 def _solution(week: str) -> Path:
@@ -141,7 +141,7 @@ def renew_exercises() -> None:
     """Write the exercises from the solutions. Unlike verification, this takes no noticeable time.
 
     Raises:
-        CourseError: One of them has changed, and somebody must look at it; or a solution has a
+        CourseError: An exercise has changed and must be reviewed, or a solution has a
         wrong marker.
     """
     if stale := write_exercises():

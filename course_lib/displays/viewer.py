@@ -284,7 +284,7 @@ class Viewer(KnownAttributes):
 
         Args:
             path: The path of the page.
-            playback: Whether the page can play the scene's history; it says so if the history is
+            playback: Whether the page can play the scene's history; it states it if the history is
                 incomplete.
 
         Raises:

@@ -541,7 +541,7 @@ class Framing:
 
         Args:
             view: The view to move.
-            camera: What it shows now.
+            camera: The current camera of the view.
             scenes: Copies of the scene at several times.
 
         Returns:

@@ -660,7 +660,7 @@ class StatusPage:
 
 
 NOBODY = "nobody"
-# In the folder while a gateway runs.
+# Name of the file with the address of the page, which exists while a gateway runs.
 PAGE_ADDRESS = "page.txt"
 
 Write = Callable[[str], None]

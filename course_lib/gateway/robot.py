@@ -78,7 +78,10 @@ def robot(
     address = RobotAddress(place.address, place.domain, everything=True)
     if place.address.startswith(DDS):
         domain = f" --domain {place.domain}" if place.domain else ""
-        write(f"It is reached over DDS. Connect with: %ros2 connect {place.address}{domain} --send /cmd_vel")
+        write(
+            "The robot is reached over DDS. Connect with: "
+            f"%ros2 connect {place.address}{domain} --send /cmd_vel"
+        )
     else:
         require_zenoh(WITHOUT_ZENOH)
         # Imported here, because the sandbox, in which this module is imported too, has no zenoh.
@@ -86,8 +89,8 @@ def robot(
 
         router = open_router({"listen/endpoints": [place.address]})
         write(
-            f"Its router listens at {place.address}. Connect with: %ros2 connect {place.address} "
-            "--send /cmd_vel"
+            f"The router of the robot listens at {place.address}. Connect with: "
+            f"%ros2 connect {place.address} --send /cmd_vel"
         )
         address = replace(address, router=f"tcp/127.0.0.1:{place.address.rpartition(':')[2]}")
     if with_parent:
@@ -112,7 +115,7 @@ def _run_on_real_ros(
     environment = find_environment()
     with temporary_folder() as folder:
         programs = RealProcesses(environment, folder, [program], write, domain)
-        write(f"It runs on {environment}.")
+        write(f"The robot runs on {environment}.")
         write(f"Connect with: %ros2 connect {THIS_COMPUTER} --domain {programs.domain} --send /cmd_vel")
         if with_parent:
             _thread.start_new_thread(_end_with_input, ())

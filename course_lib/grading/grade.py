@@ -575,7 +575,7 @@ def _finish(
     counts = ", ".join(f"{number} {status}" for status, number in statuses)
     say(f"{format_count(len(rows), 'submission')}: {counts or 'nothing to do'}.")
     for isolation, number in Counter(result.isolation for result in results).most_common():
-        say(f"Isolation of {number}: {isolation}.")
+        say(f"Isolation of {format_count(number, 'submission')}: {isolation}.")
     for concern in review_reasons(marked_results, out):
         say(f"Please review: {concern.line(out)}")
     for line in missing_file_lines(results, found_submissions, *work.course.private_folders):

@@ -58,7 +58,7 @@ class PersonalValues(dict[str, Any]):
         self._task_id = task_id
 
     def __missing__(self, name: str) -> Any:
-        known = f"only {', '.join(map(repr, self))}" if self else "and no other: is another task meant?"
+        known = f"only {', '.join(map(repr, self))}" if self else "nor any other. Is another task meant?"
         raise CourseError(f"{self._task_id} has no value {name!r}, {known}{did_you_mean(str(name), self)}")
 
 

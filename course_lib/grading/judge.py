@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 CHECK_SECONDS = 5.0  # [s] processor time of one check
 TASK_SECONDS = 10.0  # [s] processor time for a task's checks together
 LEAST_SECONDS = 0.1  # [s] minimum for a check if the others have used up the task's time
-LONGEST = 500  # characters of an exception's text
+LONGEST = 500  # limit on the characters of an exception's text
 NEEDS_ANOTHER = "another check must pass first"
 TOO_LARGE = "the messages are too large to be checked in time"
 CANNOT_JUDGE = (

@@ -145,7 +145,9 @@ def _hand_mark(task: TaskResult, entry: MarkEntry, before: Sequence[HandMark], b
     before, at = standing_marks(before), datetime.now(UTC).isoformat(timespec="seconds")
     if entry.withdraw:
         if not any(text in ("", mark.row) for mark in before):
-            raise CourseError(f"no mark by hand for {text or task.task or task.title} to withdraw")
+            raise CourseError(
+                f"{text or task.task or task.title} has no mark by hand, so none can be withdrawn"
+            )
         return HandMark(task.task, None, text, "", by, at, withdrawn=True)
     if entry.points is not None and not 0 <= entry.points <= max_points:
         raise CourseError(
@@ -299,7 +301,7 @@ class MarkedResult:
     """A result with graders' points, as gradebook, reports, exports and the marking page show it.
 
     Args:
-        result: As it was judged.
+        result: The result of the checks.
         marks: The points and comments of graders, oldest first.
     """
 

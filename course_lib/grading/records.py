@@ -361,8 +361,8 @@ class Attempt:
     """One of several submissions of an exercise.
 
     Args:
-        key: Of its evidence, or "".
-        received: When, and how that is known.
+        key: The key of its evidence, or "".
+        received: The time of receipt and its source.
         id_flag: What is wrong with the ID that the file names, or "".
         final: Points after the late policy; None without a mark.
     """

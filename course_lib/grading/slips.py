@@ -22,7 +22,7 @@ _PURE = {
 }
 _SENDING = ("publish", "sendTransform")
 _SIGNS = {ast.UAdd: "+", ast.USub: "-"}
-_LONGEST = 60  # characters of a quoted line
+_LONGEST = 60  # limit on the characters of a quoted line
 _FIELD = re.compile(r"\{[a-z_]\w*(\.\w+|\[\w+\])*(:[^{}]*)?\}")
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 

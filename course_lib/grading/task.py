@@ -26,7 +26,7 @@ from course_lib.third_party import read_text
 Kind = Literal["node", "function", "value", "text", "file", "launch", "written"]
 KINDS: tuple[str, ...] = get_args(Kind)
 ON_A_GRAPH = ("node", "launch")  # kinds whose nodes run until the scenario ends
-HINTS = 3  # hints per task, shown one by one after the hint for the mistake
+HINTS = 3  # number of hints of a task, shown one by one after the hint for the mistake
 LONGEST = 3600.0  # [s] maximum robot time
 _WEEK_FOLDER = re.compile(rf"{ASSETS}/(week\d\d)/")
 

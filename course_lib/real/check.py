@@ -326,11 +326,14 @@ def _module_text(
     """
     root = next((s for s in reversed(code) if task.name in s.bindings and not s.is_import), None)
     if root is None:
-        raise CourseError(f"no cell defines {task.name}.")
+        raise CourseError(f"No cell defines {task.name}: define it, then check again.")
     parts = [part for part in collect_needed_statements(root, code, []) if part.text != MY_VALUES]
     kit_imports = [part.text for part in parts if part.is_import and "course_lib" in part.text]
     if kit_imports:
-        raise CourseError(f"{task.name} uses course_lib ({kit_imports[0]}), which robots do not have.")
+        raise CourseError(
+            f"{task.name} uses course_lib ({kit_imports[0]}), which robots do not have: "
+            "remove it from the node."
+        )
     text = "\n\n".join(part.text for part in parts)
     return CALL.sub(lambda call: repr(dict(personal_values(catalog.task(call[1]), student))), text) + "\n"
 

@@ -264,7 +264,7 @@ def _check_disk(folder: Path) -> None:
     """Check that the disk of a folder, whose earlier installation is removed, has enough space.
 
     Raises:
-        CourseError: It has not.
+        CourseError: The space is not sufficient.
     """
     shutil.rmtree(folder, ignore_errors=True)
     disk = next(parent for parent in folder.parents if parent.exists())

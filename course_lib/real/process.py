@@ -220,7 +220,7 @@ def check_programs(files: Sequence[Path]) -> None:
     """Check that all files are Python programs that can run in separate processes.
 
     Raises:
-        CourseError: A file is not.
+        CourseError: A file is not such a program.
     """
     for file in files:
         if not file.is_file():
@@ -232,7 +232,7 @@ def check_programs(files: Sequence[Path]) -> None:
         if file.suffix != ".py" or file.name.endswith((".launch.py", "_launch.py")):
             raise CourseError(f"{file}: --ros runs Python programs only, as launch has no wheel.")
         if not os.access(file, os.R_OK):
-            raise CourseError(f"{file} cannot be read.")
+            raise CourseError(f"You have no permission to read {file}: change its permissions, or copy it.")
 
 
 # Period of checking whether the programs still run [ns].

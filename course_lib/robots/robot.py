@@ -102,8 +102,8 @@ _cached_folders: ContextVar[dict[tuple[str, Path | None, bool], list[Path]] | No
 def cache_package_searches() -> Iterator[None]:
     """Search the folders of each package once within a `with` block, in which many files are resolved.
 
-    Every search stats all folders of the workspace, because a package may have been added
-    meanwhile.
+    Every search stats all folders of the workspace, because a package may have been added in
+    the meantime.
     """
     token = _cached_folders.set({})
     try:
@@ -344,7 +344,10 @@ _NO_URDF = ("cassie",)
 def model_of(name: str) -> Model:
     """Return a robot of the kit by its name."""
     if name in _NO_URDF:
-        raise CourseError(f"{name!r} is described by SDF, not URDF, and cannot be loaded here.")
+        raise CourseError(
+            f"{name!r} is described by SDF, not URDF, and cannot be loaded. Choose another one, "
+            f"like {next(iter(MODELS))!r}."
+        )
     if name not in MODELS:
         suggestion = did_you_mean(name, list(MODELS), 3) or f", like {next(iter(MODELS))}."
         raise CourseError(

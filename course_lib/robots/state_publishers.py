@@ -419,7 +419,7 @@ class RobotStatePublisher(Node):
             self._report_slips(state)
 
     def _report_slips(self, state: JointState) -> None:
-        """Print hints about a joint state of which ROS's node says nothing, each once."""
+        """Print hints about a joint state that ROS's node accepts without a message, each once."""
         joints = self._tree.joints
         if state.header.stamp.sec == state.header.stamp.nanosec == 0 and not self._value("ignore_timestamp"):
             self._hint(

@@ -2,7 +2,7 @@
 
 Students of week 6 find out its properties with the tools of ROS. The properties therefore depend on
 the robot's serial number, and they are set only while the robot runs, so that reading the source or
-the parameters of a node that does not run is no shortcut.
+the parameters of a node that does not run does not reveal them.
 """
 
 import hashlib

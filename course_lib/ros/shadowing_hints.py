@@ -1,7 +1,7 @@
 """Hints for names that stand for something else than the student expects.
 
-A variable or a method may have the name of a function, module or property, a result that of its
-function, and an object may be older than the present class.
+A variable or a method may have the name of a function, module or property, a result may have the name
+of its function, and an object may be older than the present class.
 """
 
 import builtins
@@ -25,7 +25,7 @@ _MODULES = {
 
 
 def outdated_hint(error: BaseException) -> str:
-    """Return the hint for an object whose class a cell has defined anew since, or "".
+    """Return the hint for an object whose class a cell has redefined since then, or "".
 
     The missing attribute is in the new class, so that the student's code is right.
     """

@@ -1,7 +1,7 @@
 """The simulated world: objects with shape, color and pose, their motions, and ray casting.
 
-All rays of a measurement are cast with numpy at once, one thing after the other. To save time, only
-the rays that meet the thing's bounding sphere are tested with its shape.
+All rays of a measurement are cast together with numpy, for one object after the other. To save time,
+only the rays that meet an object's bounding sphere are tested with its shape.
 """
 
 from collections.abc import Callable, Sequence

@@ -107,7 +107,7 @@ def _record_live(source: Source, arguments: Namespace, write: Write, folder: Pat
 
 
 def _is_recorded(arguments: Namespace, topic: str, type_name: str) -> bool:
-    """Select topics as rosbag2 does (topic_filter.cpp): a regular expression may match part of a name."""
+    """Return whether a topic is recorded. A regular expression may match part of its name, as in rosbag2."""
     is_selected = arguments.all or topic in arguments.topics or type_name in arguments.topic_types
     left_out = topic in arguments.exclude_topics or type_name in arguments.exclude_topic_types
     if not is_selected and arguments.regex:
@@ -279,7 +279,7 @@ def _selected_samples(
 
 
 def _is_played(arguments: Namespace, topic: str) -> bool:
-    """Select topics as rosbag2's storages do: a regular expression must match the whole name."""
+    """Return whether a topic is played. A regular expression must match its whole name, as in rosbag2."""
     is_selected = topic in arguments.topics or not (arguments.topics or arguments.regex)
     if not is_selected and arguments.regex:
         is_selected = bool(arguments.regex.fullmatch(topic))

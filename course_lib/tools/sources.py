@@ -93,9 +93,9 @@ class Source(ABC):
 
     @abstractmethod
     def wait(self, ready: Callable[[], bool], seconds: float | None) -> bool:
-        """Wait until `ready()` is true, at most for a time in robot time [s].
+        """Wait until `ready()` is true, at most `seconds` [s] of robot time.
 
-        Return its last value.
+        Return the last value of `ready()`.
         """
 
     @abstractmethod
@@ -117,7 +117,7 @@ class GraphSource(Source):
         self.discovery, self._interrupted = discovery, interrupted
 
     def limit(self, enough: float = pace.SECONDS_WITHOUT_A_PAGE) -> float | None:
-        """Return a limit for notebooks without a page, where no ■ or %timeout can interrupt."""
+        """Return `enough` [s] in a notebook without a page, unless %timeout ends the tool; else None."""
         has_time_limit = self.graph.notebook and pace.mode() == "fast" and not self._interrupted
         return enough if has_time_limit else None
 
@@ -151,7 +151,7 @@ class GraphSource(Source):
                     return
 
     def silence_reason(self, topic: str, qos: Qos) -> str:
-        """Report missing publishers, incompatible QoS or missing nodes."""
+        """Return a sentence about missing publishers, incompatible QoS or missing nodes, or ""."""
         publishers = self.endpoints(topic, "pub")
         if not publishers:
             return " It has no publisher."
@@ -218,7 +218,7 @@ class RecordingSource(Source):
                 yield sample.stamp_ns, sample
 
     def silence_reason(self, topic: str, qos: Qos) -> str:
-        """Report that all messages of the topic were recorded after the time limit."""
+        """Return the sentence that all messages of the topic were recorded after the time limit."""
         return " All of them were recorded later."
 
 

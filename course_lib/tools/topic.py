@@ -154,7 +154,7 @@ def listen(
 ) -> Iterator[TimedSample]:
     """Yield the messages of a topic, and ticks, until ■. Their times are from the selected clock.
 
-    Without a page it ends after a while and prints that. If no message was received, it raises a
+    Without a page it ends after a fixed time with a notice. If no message was received, it raises a
     CourseError.
     """
     topic, sim = full_name(arguments.topic_name), arguments.use_sim_time

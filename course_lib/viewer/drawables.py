@@ -95,7 +95,7 @@ def checked_array(
     """Return a read-only copy of an array of one of the given shapes; None matches any length.
 
     Raises:
-        ShapeError: It has none of them; the message has both shapes.
+        ShapeError: The array has none of the shapes; the message has both.
     """
     array = np.array(value, dtype=dtype)
     # An empty list is treated as an array of the first shape.
@@ -358,7 +358,7 @@ class MeshcatObject:
 
     Args:
         json: three.js's JSON of the object, with its geometries and materials.
-        stand_in: What is drawn in its place into a picture; None if nothing is alike.
+        stand_in: The drawable that replaces it in pictures; None if none is similar.
     """
 
     def __init__(self, json: Mapping[str, Any], stand_in: "Mesh | None" = None) -> None:

@@ -119,7 +119,7 @@ def _encode_value(value: Any) -> Any:
         return value.item()
     if hasattr(value, "type") and hasattr(value, "data"):
         return msgpack.ExtType(value.type, value.data)
-    raise TypeError(f"A scene cannot hold {value!r}.")
+    raise TypeError(f"{value!r} cannot be sent to a page: expected numbers, strings, lists, dicts or arrays.")
 
 
 def _fields_of(drawable: Drawable) -> dict[str, Any]:

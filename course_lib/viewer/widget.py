@@ -137,7 +137,7 @@ class SceneWidget(anywidget.AnyWidget):
     """A widget that shows a scene in any number of cells and pages.
 
     Args:
-        scene: What to show.
+        scene: The scene to show.
         height: Height of the view in [px]; its width is that of the cell.
         label: What the view shows, for those who cannot see it.
         rest: The traits `recording`, `plays` and `panels` of a view at rest, and `words`.

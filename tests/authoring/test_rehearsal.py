@@ -34,7 +34,7 @@ def test_too_many_combinations_are_sampled_evenly() -> None:
 
 def test_replacement_of_a_text_by_itself_is_rejected() -> None:
     variant = Variant("week09.post", way="the same", change=(("x = 1", "x = 1"),))
-    with pytest.raises(CourseError, match="'x = 1' is replaced by itself"):
+    with pytest.raises(CourseError, match="'x = 1' is replaced by itself, expected a different new text"):
         apply_changes(variant, "Post", ["class Post:\n    x = 1"])
 
 

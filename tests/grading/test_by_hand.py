@@ -213,7 +213,7 @@ def test_withdrawing_a_mark_restores_the_points_of_the_checks(kinds: Course, tmp
     assert line(out) == before
     grade(tmp_path / "in", out, jobs=1, course=kinds, resume=True)
     assert line(out) == before
-    with pytest.raises(CourseError, match=r"no mark by hand for week05\.essay to withdraw"):
+    with pytest.raises(CourseError, match=r"week05\.essay has no mark by hand, so none can be withdrawn"):
         mark_by_hand(*args, "essay", withdraw=True, course=kinds)
     mark_by_hand(*args, "essay", "10", course=kinds)
     assert line(out) == (70, 56, "graded")

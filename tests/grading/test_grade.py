@@ -279,5 +279,5 @@ def test_submissions_run_without_a_sandbox_only_if_trusted(
         assert grade(submissions, out, jobs=1, course=course, need="any")
     assert rows(out)["right"]["final"] == "110.0"
     assert result(out, "right")["judgement"]["isolation"].startswith("no sandbox (lacks")
-    assert "Isolation of 1: no sandbox (lacks" in capsys.readouterr().out
+    assert "Isolation of 1 submission: no sandbox (lacks" in capsys.readouterr().out
     assert "Ran with isolation: no sandbox" in (out / "reports/right/week01_exercise.html").read_text()

@@ -68,10 +68,15 @@ def with_layers(
     [
         (LAYERS, (), 2, "your rights, no sandbox (lacks namespaces"),
         (LAYERS, ("--require-sandbox",), 2, "--require-sandbox: this machine has only: no sandbox"),
-        (LAYERS, ("--i-trust-these-submissions",), 0, "Isolation of 1: no sandbox (lacks"),
+        (LAYERS, ("--i-trust-these-submissions",), 0, "Isolation of 1 submission: no sandbox (lacks"),
         (LAYERS, ("--require-sandbox", "--i-trust-these-submissions"), 2, "--require-sandbox"),
         (WITHOUT_NAMESPACES, ("--require-sandbox",), 2, "--require-sandbox: this machine has only: partial"),
-        (WITHOUT_NAMESPACES, (), 0, "Isolation of 1: partial sandbox (has Landlock, seccomp, limits"),
+        (
+            WITHOUT_NAMESPACES,
+            (),
+            0,
+            "Isolation of 1 submission: partial sandbox (has Landlock, seccomp, limits",
+        ),
     ],
 )
 def test_insufficient_sandbox_exits_with_2_before_running_submissions(

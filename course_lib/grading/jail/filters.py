@@ -324,7 +324,7 @@ class Isolation:
 
     @property
     def is_full(self) -> bool:
-        """True if no layer is missing; bubblewrap only duplicates others."""
+        """True if no layer is missing except bubblewrap, which only duplicates others."""
         return set(LAYERS) - {"bubblewrap"} <= set(self.layers)
 
     @property

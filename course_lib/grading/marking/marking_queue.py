@@ -25,7 +25,7 @@ from course_lib.grading.marks import (
 from course_lib.grading.records import HandMark, TaskResult
 
 PRESENT = 10.0  # [s] time without requests after which a page is considered closed
-MOST_COMMENTS = 30  # comments offered for reuse
+MOST_COMMENTS = 30  # limit on the comments offered for reuse
 State = Literal["waiting", "marked", "checks"]
 Stamp = tuple[int, ...] | None
 
@@ -172,7 +172,9 @@ class MarkingQueue:
         stored = stored_result(self.out, item.student, item.exercise)
         task = next((task for task in stored.result.tasks if task.task == item.task), None)
         if task is None:
-            raise CourseError(f"{item.exercise} of {item.student} no longer has the task {item.task}")
+            raise CourseError(
+                f"{item.exercise} of {item.student} no longer has the task {item.task}: reload the page"
+            )
         return task, list(stored.marks), stored.result.submission.sha256
 
     def _refresh(self) -> None:

@@ -92,9 +92,9 @@ class Follower:
         return "" if process.returncode == 0 else printable(lines[-1] if lines else "it was ended")
 
 
-MAX_NAME = 80  # characters
-MAX_COMMENT = 10_000  # characters
-MAX_MARKS = 50  # marks per request
+MAX_NAME = 80  # limit on the characters of a grader's name
+MAX_COMMENT = 10_000  # limit on the characters of a comment
+MAX_MARKS = 50  # limit on the marks in a request
 
 
 @dataclass(frozen=True)
@@ -423,8 +423,8 @@ def _print_line(line: str) -> None:
     sys.stdout.flush()
 
 
-MAX_SHOWN = 60_000  # characters of a cell or file
-MAX_COLOURED = 20_000  # characters of a cell
+MAX_SHOWN = 60_000  # limit on the characters shown of a cell or file
+MAX_COLOURED = 20_000  # limit on the characters of a cell that is highlighted
 MAX_CELLS = 300
 # Syntax highlighting classes of the page, by pygments' tokens.
 KINDS = (
@@ -436,14 +436,14 @@ KINDS = (
     (Token.Name.Function, "name"),
     (Token.Name.Class, "name"),
 )
-Pieces = list[tuple[str, str]]  # kind and text
+Pieces = list[tuple[str, str]]  # (class of the token, text)
 
 
 def submitted_code(submission: Submission, out: Path, task: Task | None) -> dict[str, Any]:
     """Return the code cells and files of a submission as plain data, or an error message.
 
     Args:
-        submission: As its result has it.
+        submission: The submission as stored in its result.
         out: The folder of records.
         task: The task whose cells are marked.
     """

@@ -114,10 +114,10 @@ def _from_url(url: str) -> KitSource:
 
 ROSTER = "roster.csv"  # in solutions/, which no submission may read
 METADATA = "submission_metadata.json"
-UNKNOWN = "gradescope"  # the student if there is no metadata
+UNKNOWN = "gradescope"  # replaces the student ID if there is no metadata
 MAX_METADATA = 10_000_000  # [B]; it contains the results of all earlier submissions
-MOST_NAMED = 10  # files per line
-MAX_TEXT = 20_000  # characters per text of the results
+MOST_NAMED = 10  # limit on the files that a line lists
+MAX_TEXT = 20_000  # limit on the characters of a text in the results
 NOT_IN_ROSTER = (
     "Your address on Gradescope ({}) is not in the class list of this course, so your ID is unknown. "
 )
@@ -213,7 +213,9 @@ def _read_upload(path: Path, course: Course) -> Upload:
         created, number = str(content["created_at"]), str(users[0]["id"])
         emails = [str(user.get("email") or "").casefold() for user in users]
     except (OSError, ValueError, LookupError, TypeError) as error:
-        raise CourseError(f"{path} can't be read: {error!r}. Gradescope writes it") from error
+        raise CourseError(
+            f"{path} can't be read: {error!r}. Expected the file that Gradescope writes at an upload"
+        ) from error
     student = next((m.id for email in emails for m in members if email and m.email == email), "")
     unknown_address = ", ".join(filter(None, emails)) or "no address" if members and not student else ""
     return Upload(student or normalise(f"{UNKNOWN}{number}"), bool(student), created, unknown_address)
@@ -443,7 +445,10 @@ def _course_files(root: Path, week: str) -> Iterator[tuple[str, bytes]]:
     solution = root / "solutions" / f"{week}_solution.ipynb"
     paths = [solution, root / "solutions" / "checks" / f"{week}.py"]
     if missing := [path for path in paths if not path.is_file()]:
-        raise CourseError(f"{missing[0]} is missing: an autograder needs the solution and hidden checks")
+        raise CourseError(
+            f"{missing[0]} is missing: an autograder needs the solution and hidden checks. "
+            "Run the command in the instructors' checkout"
+        )
     paths += [root / name for name in PROJECT if (root / name).is_file()]
     paths += sorted((root / "notebooks").glob(f"{week}*"))
     for top in (course_package().name, "exercises"):

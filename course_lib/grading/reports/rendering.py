@@ -177,7 +177,7 @@ def strip_control_characters(value: Any) -> Any:
     return _WILD.sub("", value) if type(value) is str else value  # markup is escaped already
 
 
-MOST_NAMED = 5  # students per line
+MOST_NAMED = 5  # limit on the students that a line lists
 
 
 def say(line: str) -> None:

@@ -23,11 +23,11 @@ from course_lib.grading.submissions.readers import Platform, PlatformName, platf
 from course_lib.grading.task import Catalog
 from course_lib.viewer.html import bundle_code
 
-MAX_OUTPUT = 20_000  # characters
-MAX_SCENES = 800_000  # characters of all scenes, which keeps a report below 1 MB
+MAX_OUTPUT = 20_000  # limit on the characters of an answer or output
+MAX_SCENES = 800_000  # limit on the characters of all scenes: a report stays below 1 MB
 MAX_ALONE = 400_000  # [B] size of a report that includes the viewer
 NOTE = 200  # [B] size of a note about a reduced scene
-HEAD = 300  # characters at the beginning of a page that contain its digest
+HEAD = 300  # number of characters at the start of a page that contain its digest
 
 
 def report(result: Result, out: Path, catalog: Catalog) -> None:

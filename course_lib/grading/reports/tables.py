@@ -29,7 +29,7 @@ from course_lib.grading.submissions.copies import SimilarSubmission, read_simila
 from course_lib.third_party import read_json
 
 SLOW = CHECK_SECONDS / 5  # [s] duration of a check that may reach its time limit on a slower machine
-Name = tuple[str, ...]  # task and scenario, and the title of a check
+Name = tuple[str, ...]  # (task, scenario), and the title of a check
 
 
 @dataclass(frozen=True)
@@ -89,9 +89,9 @@ TASK_COLUMNS = (
     "student", "exercise", "task", "score", "points", "bonus", "marked_by", "public_passed", "public",
     "hidden_passed", "hidden",
 )  # fmt: skip
-FEWEST = 10  # submissions needed for a meaningful correlation
+FEWEST = 10  # minimum number of submissions for a meaningful correlation
 BINS = 10  # bins of the histogram from 0 to 100 percent; higher marks have an additional bin
-EASY, HARD, WEAK = 0.98, 0.1, 0.1  # mean scores, and a correlation
+EASY, HARD, WEAK = 0.98, 0.1, 0.1  # limits on the mean score (two) and on the correlation
 
 
 @dataclass(frozen=True)
@@ -213,7 +213,7 @@ def analyse(exercise: str, results: Sequence[MarkedResult], out: Path) -> Analys
     )
 
 
-Key = tuple[str, str, str, bool]  # task, title, scenario, hidden
+Key = tuple[str, str, str, bool]  # (task, title, scenario, is_hidden)
 
 
 def _items(task_results: Iterable[Sequence[TaskResult]], *, of_checks: bool) -> Iterator[Item]:

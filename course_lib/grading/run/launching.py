@@ -27,7 +27,7 @@ from course_lib.tools.executables import run_with_rclpy, spin
 from course_lib.tools.ros2 import EXECUTABLES
 
 FILE_NAME = "your.launch"  # without the suffix, which depends on the file's language
-MAX_STARTED = 100  # nodes
+MAX_STARTED = 100  # limit on started nodes
 MAX_ARGUMENTS = 20
 OPPOSITES = {"true": "false", "false": "true", "True": "False", "False": "True"}
 # A check needs no windows, and a launch file may refer to a layout that does not exist yet.

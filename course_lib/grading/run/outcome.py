@@ -18,7 +18,7 @@ from course_lib.ros.tracebacks import format_location, line_of_traceback
 
 MAX_ITEMS = 200_000
 MAX_DEPTH = 20
-MAX_TEXT = 100_000  # characters
+MAX_TEXT = 100_000  # limit on the characters of a string
 MAX_INT = 2**63
 # Replaces the returned value of a call that raised an exception.
 RAISED = {"object": "nothing, as the call raised an exception"}
@@ -89,7 +89,7 @@ def _plain(value: Any, depth: int, room: list[int]) -> Any:
     return {"object": f"a {type(value).__name__}"}
 
 
-MAX_LENGTH = 500  # characters
+MAX_LENGTH = 500  # limit on the characters of an error
 
 
 def describe(error: BaseException) -> str:
@@ -125,7 +125,7 @@ def _error_text(error: BaseException) -> str:
 
 
 MAX_LINES = 20
-MAX_LINE = 200  # characters
+MAX_LINE = 200  # limit on the characters of a line
 _STAMP = re.compile(r"\[\d+\.\d{9}\] ")  # log stamps, which make equal lines differ
 
 

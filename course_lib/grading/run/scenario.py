@@ -40,13 +40,13 @@ SET_PARAMETERS = "rcl_interfaces/srv/SetParameters"
 NO_NODE = "Node not found:"
 # MOST_INPUTS serialized inputs are cached; an input larger than LARGE bytes is not.
 MOST_INPUTS, LARGE = 2048, 10_000
-MOST_REJECTIONS = 10  # per scenario
-LONGEST_REASON = 200  # characters
-MOST_EVIDENCE = 32 * 2**20  # [B] per submission; correct solutions of all weeks take 1.2 MB
+MOST_REJECTIONS = 10  # limit on the rejections that a scenario reports
+LONGEST_REASON = 200  # limit on the characters of a reason
+MOST_EVIDENCE = 32 * 2**20  # [B] limit per submission; all correct solutions take 1.2 MB
 SAMPLE_BYTES = 200  # [B] memory of a sample in addition to its message
 ROOM = 4 << 20  # [B] limit on images per topic
 ALL = 8 << 20  # [B] limit on the images of all topics
-MOST_FIELDS = 256  # fields of a point cloud
+MOST_FIELDS = 256  # limit on the fields of a point cloud
 
 
 @dataclass(frozen=True)

@@ -24,18 +24,18 @@ from course_lib.grading.submissions.notebook import (
 )
 from course_lib.third_party import read_bytes
 
-MAX_MEMBERS = 1000  # files per archive
-MAX_ENTRIES = 20 * MAX_MEMBERS  # archives stored in an archive have directories of their own
+MAX_MEMBERS = 1000  # limit on the files in an archive
+MAX_ENTRIES = 20 * MAX_MEMBERS  # limit on entries, which inner archives have as well
 ENTRY = b"PK\x01\x02"  # signature of each entry in an archive's directory
 # zipfile decompresses other methods without a size limit.
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 ENCRYPTED, UTF_8 = 0x1, 0x800  # flags of a file, and of its name
-MAX_DEPTH = 3  # nesting depth of archives
-MAX_NAME = 200  # [B] per path component
-MAX_PATH = 1000  # [B] per path
-MAX_UNPACKED_FILES = 1000  # files per student, in all archives that the student submitted
-MAX_UNPACKED_BYTES = 50_000_000  # [B] likewise, including nested archives
-RECEIPT = "receipt.json"  # in a file written by `course submit`
+MAX_DEPTH = 3  # limit on the nesting of archives
+MAX_NAME = 200  # [B] limit on a path component
+MAX_PATH = 1000  # [B] limit on a path
+MAX_UNPACKED_FILES = 1000  # limit on the files in all archives of a student
+MAX_UNPACKED_BYTES = 50_000_000  # [B] limit on their size, nested archives included
+RECEIPT = "receipt.json"  # file name in the zip of `course submit`
 JUNK = ("__MACOSX", "Thumbs.db")
 MAC_NAMES = (".DS_Store", ".localized")  # files that macOS adds to every folder
 HIDDEN = "a name in its path begins with a dot, and the student submitted no visible file. Rename it"
@@ -44,10 +44,10 @@ Refuse = Callable[[str, str], None]  # called with a file's name and the reason
 Owner = Callable[[tuple[str, ...]], str]  # maps a path to the owner, whose archives share a limit
 Wanted = Callable[[tuple[str, ...]], bool]
 WORKING_SUFFIXES = (".rviz", ".yaml", ".yml", ".xml", ".urdf", ".py")
-WORKING_FOLDER = "files/"  # in a file written by `course submit`
-MAX_WORKING_BYTES = 1_000_000  # [B] per file
+WORKING_FOLDER = "files/"  # folder in the zip of `course submit`
+MAX_WORKING_BYTES = 1_000_000  # [B] limit on a working file
 MAX_WORKING_FILES = 20
-MAX_NAMES = 1000  # file names searched in a notebook
+MAX_NAMES = 1000  # limit on the file names searched in a notebook
 _QUOTED = re.compile(r"""["']([^"'\n]{1,200})["']""")
 
 
@@ -142,8 +142,8 @@ class ReceivedFileReader:
     def read(self, top: Path) -> Iterator[ReceivedFile]:
         """Yield all files of a folder or zip file, including files in nested zip files.
 
-        Hidden files are skipped. Those of an owner without any visible file are refused, so that
-        nobody is missing silently.
+        Hidden files are skipped. If all files of an owner are hidden, they are rejected with a
+        message, so that every student is listed.
 
         Raises:
             CourseError: `top` is not a folder or a zip file.

@@ -28,7 +28,7 @@ ANY = "*"  # pseudo exercise: all exercises that a student has worked on are col
 WORKING = (".rviz", ".yaml", ".yml", ".py")
 ACCEPTED_SUFFIXES = (".ipynb", ".zip", *WORKING)
 ADVICE = "Submit {}.ipynb, or the zip that `course submit` writes"
-MOST_NAMED = 3  # files per reason
+MOST_NAMED = 3  # limit on the files listed for a reason
 Kind = Literal["notebook", "working"]
 
 

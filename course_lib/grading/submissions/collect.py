@@ -41,8 +41,8 @@ from course_lib.grading.submissions.submission import COLUMNS, ID_FROM, LIST, PL
 
 BAD_PATHS = (errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.ENAMETOOLONG, errno.EINVAL, errno.EILSEQ)
 LATE_TEXTS = {True: "yes", False: "no", None: ""}
-MOST_LINES = 10  # refused files of an owner that are listed
-MAX_NAME = 100  # characters of a rejected file's name in received.csv
+MOST_LINES = 10  # limit on the rejected files of an owner that are listed
+MAX_NAME = 100  # limit on the characters of a rejected file's name in received.csv
 STAMP_DEPTH = 2  # depth of nbgrader's stamp in a student's folder: ASSIGNMENT/timestamp.txt
 
 

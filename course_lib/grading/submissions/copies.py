@@ -36,22 +36,22 @@ from course_lib.third_party import read_json
 if TYPE_CHECKING:
     from pygments.token import _TokenType
 
-LENGTH = 16  # tokens per run: about two lines
+LENGTH = 16  # number of tokens in a run: about two lines
 MIN_WORDS = 6  # a longer string is an answer in prose and is compared word by word
 # first tokens of statements that carry no information about a solution
 DROPPED = ("print", "import", "from", "%", "!")
 BUILT_IN = frozenset(dir(builtins)) | {"self"}
-MIN_SHARED = 50.0  # common runs, weighted by rarity: about eight lines
+MIN_SHARED = 50.0  # minimum of common runs, weighted by rarity: about eight lines
 SHARE = 0.6  # limit in a small class: common fraction of the shorter solution
 SHARES = (0.4, 0.85)  # minimum and maximum of the limit in a larger class
 MIN_LINES = 8  # minimum lines of own code for a comparison letter by letter
 # A run has full weight if at most FEW solutions, or the fraction COMMON of the class, contain it.
 FEW = 4
-MAX_CACHED = 10_000  # characters of a cell; longer cells are not from the course
+MAX_CACHED = 10_000  # limit on the characters of a cached cell: no cell of the course is longer
 COMMON = 0.1
 CLASS = 10  # number of different solutions from which the limit adapts to the class
 SPREADS = 6.0  # required distance of a pair from the median of the class
-CHUNK = 4096  # columns per matrix product
+CHUNK = 4096  # number of columns in a matrix product
 RARE = 16  # a run shared by at most this many students is added pair by pair
 
 
@@ -353,11 +353,12 @@ def _clusters(pairs: Sequence[Pair]) -> tuple[Cluster, ...]:
     return tuple(sorted(found_clusters, key=lambda cluster: (-cluster.pairs[0].share, cluster.students)))
 
 
-MAX_CODE = 60_000  # characters of a student's code that are compared, four times a long solution
-MAX_LEXED = 200_000  # characters that are searched for names
-LONG_TEXT = 200  # characters of a string that may contain a program
+MAX_CODE = 60_000  # limit on the compared characters of a student: four times a long solution
+MAX_LEXED = 200_000  # limit on the characters that are searched for names
+LONG_TEXT = 200  # minimum length of a string that may contain a program
 MOST_BLANKS = 0.03  # maximum fraction of blanks in a string that is not prose
-RUNNING = ("exec", "eval", "compile", "__import__")  # as plain names, not as in "re.compile" or "model.eval"
+# Functions that run code, called by their plain names, unlike "re.compile" or "model.eval".
+RUNNING = ("exec", "eval", "compile", "__import__")
 UNPACKING = (
     "base64", "binascii", "zlib", "gzip", "bz2", "lzma", "marshal", "pickle", "codecs", "fromhex", "runpy",
     "builtins", "__builtins__", "CodeType", "FunctionType", "run_cell", "run_line_magic",
@@ -459,7 +460,7 @@ def long_texts(cells: Iterable[str]) -> frozenset[str]:
     return frozenset(literals)
 
 
-MAX_PAIRS = 40  # displayed pairs of a cluster
+MAX_PAIRS = 40  # limit on the displayed pairs of a cluster
 
 Kind = Literal["same", "own", "given"]
 FOLDER = "copies"

@@ -18,8 +18,8 @@ from course_lib.third_party import compile_python, parse_python, read_json
 
 MAX_BYTES = 20_000_000  # [B] limit for a notebook without its outputs, and for any other file
 MAX_WITH_OUTPUTS = 100_000_000  # [B] limit for a notebook as submitted
-MAX_TOKENS = 4_000_000  # JSON tokens that are scanned for outputs
-MAX_BRACKETS = 1_000_000  # opening brackets: each object or list takes up to 250 B of memory
+MAX_TOKENS = 4_000_000  # limit on the JSON tokens that are scanned for outputs
+MAX_BRACKETS = 1_000_000  # limit on objects and lists, which take up to 250 B of memory each
 # file names into which some systems turn .ipynb
 NOTEBOOK_NAME = re.compile(r"\.ipynb(\.txt|\.json)?$|\.json$", re.IGNORECASE)
 # Possessive, because an escape to return to would take 80 bytes of memory. A string without an end
@@ -36,14 +36,14 @@ LOOKS_LIKE = {
     b"vers": "it is a pointer of Git LFS to a file that is missing here",
 }
 SAVE_AGAIN = "Save it again in JupyterLab"
-CONFLICT = re.compile(rb"^(<{7} |>{7} )", re.MULTILINE)  # git's markers
+CONFLICT = re.compile(rb"^(<{7} |>{7} )", re.MULTILINE)  # conflict markers of git
 _RUN = re.compile(r"^%run\s+([\w./-]+\.py)\b", re.MULTILINE)
 # The text about a file of `own_modules`.
 NOT_SUBMITTED = (
     "{0} is not part of your submission, and your code will not find it at grading: copy what you "
     "need from {0} into a cell of the notebook."
 )
-MAX_HEAD = 40  # characters of a cell's first line
+MAX_HEAD = 40  # limit on the characters of a cell's first line
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ def _exercise_without_metadata(name: str, code: Sequence[str]) -> str | None:
 
 
 def full_exercise_name(text: str) -> str:
-    """Return the name of an exercise as results have it, "week01_exercise", for "week01" or a file's name."""
+    """Return the full name of an exercise, "week01_exercise", given "week01" or a file's name."""
     name = text.strip().removesuffix(".ipynb")
     return f"{name}_exercise" if re.fullmatch(r"week\d\d", name) else name
 

@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from dateparser.date import DateDataParser
 
 
-MAX_DATE = 80  # characters of a date with a time
+MAX_DATE = 80  # limit on the characters of a date with a time
 YEARS = range(2000, 2100)  # other years overflow in zone conversions
 TIME = re.compile(r"\d{1,2}\s*[:.hH]\s*\d{2}")
 NUMERIC = re.compile(r"(\d{1,2})\s*([/.-])\s*(\d{1,2})\s*\2\s*(\d{4}|\d{2})\b(?!\.)")
 FILLERS = re.compile(r"(?<=\d)\.? (?:gada|m\.|d\.)(?=[ ,]|$)")  # "year" and "day" in Latvian and Lithuanian
-LOCALES = (None, ["ar-JO"], ["ar-MA"], ["ar-DZ"])  # any language; Arabic has four sets of month names
+LOCALES = (None, ["ar-JO"], ["ar-MA"], ["ar-DZ"])  # None: any; Arabic has four sets of month names
 SETTINGS: Any = {
     "PARSERS": ["absolute-time"],  # excludes relative times like "yesterday"
     "STRICT_PARSING": True,
@@ -102,7 +102,7 @@ STAMP = "timestamp.txt"  # file name in nbgrader's and Sakai's folders
 METADATA = "submission_metadata.yml"  # file name in Gradescope's export
 FOLDERS, GOOGLE, NBGRADER, GRADESCOPE, SAKAI = "folders", "google", "nbgrader", "gradescope", "sakai"
 PERSON = re.compile(r"[\w .,'\u2019()-]+")
-WORDS = re.compile(r"[^\W\d][.,]?\s+[^\W\d]")  # within a name of several words, which is not an ID
+WORDS = re.compile(r"[^\W\d][.,]?\s+[^\W\d]")  # matches a name of several words, which is not an ID
 WEEK = re.compile(r"week[ _-]?0*(\d{1,2})(?!\d)", re.IGNORECASE)
 GOOGLE_ZIP = re.compile(r"(?:.*-)?\d{8}T\d{6}Z(?:-\d+)*(?:\.zip)?", re.IGNORECASE)
 

@@ -189,7 +189,7 @@ def read_class_list(path: Path) -> tuple[Member, ...]:
     """Read roster.csv in any common encoding and delimiter; unknown columns are ignored.
 
     Raises:
-        CourseError: A row or a heading is invalid; the message says what was expected.
+        CourseError: A row or a heading is invalid; the message states what was expected.
     """
     file = LmsFile.read(path, least=1)
     places = _find_columns(file, path)

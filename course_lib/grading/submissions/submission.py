@@ -62,10 +62,10 @@ from course_lib.third_party import check_regular, read_bytes, read_json
 
 UTC = ZoneInfo("UTC")
 NAMES = re.compile(r"\.(ipynb(\.txt|\.json)?|zip)$|^week\d\d_exercise.*\.json$", re.IGNORECASE)
-RESERVED = (".html", ".js")  # files next to the students' folders of reports
+RESERVED = (".html", ".js")  # suffixes of files next to the students' folders of reports
 NO_EXERCISE = "is not an exercise of this course: expected a file like week01_exercise.ipynb"
 REFUSED = "refused"  # reason of a result if `course collect` kept no file, or the file is a link
-MANY = 3  # names per note
+MANY = 3  # limit on the names in a note
 LESSON_SHARE = 0.5  # fraction of a lesson's cells from which a notebook is a lesson
 LIST = "received.csv"
 UNFINISHED = ".collecting"  # exists while `course collect` writes the folder
@@ -74,7 +74,7 @@ ROSTER, PLATFORM = "roster", "platform"  # values of the column ID_FROM in recei
 COLUMNS = ("file", "received", "late", "source", "name", "handed_in_as", ID_FROM, "exercise", "refused")
 # levels below the top: STUDENT/ in folders made by hand, and nbgrader's STUDENT/ASSIGNMENT/
 STAMP_DEPTHS = (1, 2)
-MAX_STAMP = 200  # [B]
+MAX_STAMP = 200  # [B] limit on the size of a time stamp file
 EXAMPLES = {
     LIST: "the columns file,received and rows like ada/week01_exercise.ipynb,2026-10-11T23:59:00+02:00",
     STAMP: "a line like 2026-10-11 23:59:00.000000 UTC",
@@ -147,7 +147,7 @@ class Ledger:
                 notes += [problem] if problem else []
                 source = STAMP
             else:
-                notes.append(f"{STAMP} is not trusted: the platform's download has none")
+                notes.append(f"{STAMP} is not trusted, because the platform's download contains no such file")
         is_late = entry.late if entry else None
         if time is None and is_late is not None:
             source = f"{LIST}: the platform's flag only"

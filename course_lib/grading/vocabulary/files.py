@@ -156,7 +156,7 @@ DISPLAY, DRAWN = "expect_display", "expect_drawn"
 COLORS_APART, DISPLAYS_ON = "expect_colors_apart", "expect_displays_on"
 TOO_MANY = "a layout has more displays than the task asks for"
 MOST_OTHERS = 5  # limit on enabled displays of classes to which no check refers
-MAX_TEXT = 200_000  # characters of a layout
+MAX_TEXT = 200_000  # limit on the characters of a layout
 MOST_COLORS = 20  # limit on colors that are compared pairwise
 USUAL_COLOR = "25; 255; 0"  # default color of a display
 

@@ -60,7 +60,7 @@ TF = "tf2_msgs/msg/TFMessage"
 FOR_EVER_NS = 2**62  # [ns] cache time of the buffer, practically infinite
 YAW_TOLERANCE = 0.05  # [rad]
 MOVING_AMPLITUDE = 1e-3  # [rad] amplitude of a joint that moves, if only a little
-MAX_NAMED = 3  # frames that a message lists
+MAX_NAMED = 3  # limit on the frames that a message lists
 PATH = "nav_msgs/msg/Path"
 
 

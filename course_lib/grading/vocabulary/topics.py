@@ -28,7 +28,7 @@ from course_lib.grading.vocabulary.values import compare
 from course_lib.ros.graph.graph import START_NS
 from course_lib.ros.messages import to_plain, type_name
 
-LONGEST_GAP = 2  # periods; a larger gap between two messages breaks the rate
+LONGEST_GAP = 2  # maximum gap between two messages, in periods of the rate
 DELIVERY = 0.05  # [s] allowed delay from publishing to recording
 STATING = ("expect_rate", "expect_throughout")
 NOT_ALL_THE_TIME = "a topic is not published all the time"
@@ -387,7 +387,8 @@ def expect_message(
 
 
 RATE_TOLERANCE = 0.03  # relative tolerance of a measured rate
-TOOLS = {  # The command that shows each fact.
+# The command that shows each fact.
+TOOLS = {
     "image_rate": "ros2 topic hz",
     "image_width": "ros2 topic echo --once --field width",
     "scan_reliability": "ros2 topic info -v",
@@ -412,7 +413,7 @@ DIGESTS = {
 }
 TOPIC, ARRAY = "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray"
 LEVELS = ("OK", "WARN", "ERROR", "STALE")
-MAX_KEYS = 120  # characters of the keys in a message
+MAX_KEYS = 120  # limit on the characters of the keys in a message
 LAST_WEIGHT = 0.3  # relative weight of the last part
 SETTLED = 1.005  # [s] delay until a part of the run appears in a report that is published every second
 

@@ -24,8 +24,10 @@ NESTED_LENGTH = "a list in a list has the wrong length"
 OTHER_UNIT = "a value is in another unit"
 # Between m and mm, s and ms; m and cm, a fraction and percent; s and ns; colors up to 1 and to 255.
 _UNIT_FACTORS = (1000, 100, 10**9, 255)
-_INDEX = re.compile(r"(\[.*?\]) of (.*)", re.DOTALL)  # name of an item: its index, and the list's name
-LONGEST = 10_000  # characters of a parameters file
+_INDEX = re.compile(
+    r"(\[.*?\]) of (.*)", re.DOTALL
+)  # matches the name of an item: its index, and the list's name
+LONGEST = 10_000  # limit on the characters of a parameters file
 EVERY_NODE = "/**"
 NAMES = {bool: "bool", int: "integer", float: "double", str: "string", list: "list"}
 

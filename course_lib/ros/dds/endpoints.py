@@ -271,8 +271,8 @@ class MatchedWriter:
     """A remote writer of a reader.
 
     Args:
-        due: Sequence number of the next message to deliver; 0 before the first is known, which
-            only a heartbeat tells a reliable reader.
+        due: Sequence number of the next message to deliver; 0 before the first is known. A
+            reliable reader learns it from a heartbeat.
         pending: Messages that arrived early, by number; None stands for a message that was skipped.
         requests: How many more times the reader requests a first heartbeat. With 0, the writer has
             matched the reader as well, or has not answered in time.

@@ -86,7 +86,7 @@ def dds_node(participant: bytes, namespace: str, name: str) -> DdsEntity:
 
 
 def dds_names(topic: str, type_name: str) -> tuple[str, str]:
-    """Return the DDS names of a topic, or of one of a service's two topics, and of its type."""
+    """Return the DDS names of a topic, which may be a service's request or reply topic, and its type."""
     return f"rt{topic}" if topic.startswith("/") else topic, dds_type(type_name)
 
 

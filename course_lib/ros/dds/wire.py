@@ -123,7 +123,7 @@ class RequestId(NamedTuple):
 
 
 def kind_of(guid: bytes) -> Kind:
-    """Return whether a GUID belongs to a writer or a reader."""
+    """Return the kind of the endpoint with a GUID: writer or reader."""
     return "writer" if guid[15] & 0x0F in (2, 3) else "reader"
 
 
@@ -149,7 +149,7 @@ class Endpoint:
 
     @property
     def kind(self) -> Kind:
-        """Whether it is a writer or a reader."""
+        """The kind of the endpoint: writer or reader."""
         return kind_of(self.guid)
 
 
@@ -271,7 +271,7 @@ class ParameterList:
 
     @classmethod
     def from_payload(cls, payload: bytes) -> Self:
-        """Read the list of a message, behind its encapsulation header of 4 bytes."""
+        """Read the list of a message, after its encapsulation header of 4 bytes."""
         return cls(payload, "<" if payload[1] & 1 else ">", 4)
 
     def first(self, pid: int, default: bytes = b"") -> bytes:

@@ -448,7 +448,7 @@ def describe_type(type_name: str) -> dict[str, dict[str, Any]]:
 
 
 def _describe_field(name: str, form: Any) -> dict[str, Any]:
-    """Describe a field with the numbers of type_description_interfaces/msg/FieldType."""
+    """Describe a field with the type ids of type_description_interfaces/msg/FieldType."""
     from rosbags.interfaces import Nodetype
     from rosbags.typesys.store import TIDMAP
 

@@ -377,6 +377,7 @@ _IDL_TOKEN = re.compile(
 )
 # How rosbags numbers the forms of a field's type: rosbags.interfaces.Nodetype.
 _IDL_BASE, _IDL_NAME, _IDL_ARRAY, _IDL_SEQUENCE = 1, 2, 3, 4
+_NESTED = "{} are not supported: put the inner one into a struct"
 
 
 class _IdlReader:
@@ -506,7 +507,7 @@ class _IdlReader:
             name = self._take_name()
             if self._skip("["):
                 if form[0] in (_IDL_ARRAY, _IDL_SEQUENCE):
-                    raise self._error("arrays of arrays and of sequences are not supported")
+                    raise self._error(_NESTED.format("arrays of arrays and of sequences"))
                 yield name, (_IDL_ARRAY, (form, self._read_size()))
                 self._expect("]")
             else:
@@ -526,10 +527,10 @@ class _IdlReader:
         if self._skip("sequence"):
             self._expect("<")
             if self._peek() == "sequence":
-                raise self._error("sequences of sequences are not supported")
+                raise self._error(_NESTED.format("sequences of sequences"))
             inner = self._read_type(scope)
             if inner[0] in (_IDL_ARRAY, _IDL_SEQUENCE):
-                raise self._error("sequences of arrays and of sequences are not supported")
+                raise self._error(_NESTED.format("sequences of arrays and of sequences"))
             size = self._read_size() if self._skip(",") else 0
             self._expect(">")
             return _IDL_SEQUENCE, (inner, size)
@@ -596,7 +597,8 @@ class _IdlReader:
         except (ValueError, SyntaxError, TypeError, RecursionError, MemoryError):
             raise self._error('expected default values like "(1, 2)"') from None
         if size and (len(values) > size or (kind == _IDL_ARRAY and len(values) != size)):
-            raise self._error(f"{len(values)} default values are too many or too few for {size}")
+            most = "" if kind == _IDL_ARRAY else "at most "
+            raise self._error(f"expected {most}{size} default values, not {len(values)}")
         return [self._parse_value(inner[1][0], [repr(value)]) for value in values]
 
     def _parse_value(self, base: str, tokens: list[str]) -> Any:

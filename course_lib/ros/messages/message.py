@@ -1,7 +1,7 @@
 """Message classes, created from definitions on first use, and the modules that contain them.
 
 Messages such as points and colors are created by the million, so each class gets a constructor
-and a factory that are compiled for its fields. The kind of each field (`Kind`) tells how its values
+and a factory that are compiled for its fields. The kind of each field (`Kind`) determines how its values
 are checked, stored, constructed and serialized.
 
 The checks and their error texts are those of rosidl_generator_py (resource/_msg.py.em). Jazzy

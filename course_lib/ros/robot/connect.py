@@ -173,7 +173,7 @@ def disconnect() -> None:
 
     graph = current_graph()
     if not graph.link_report():
-        raise CourseError("This notebook is not linked to a robot.")
+        raise CourseError("This notebook is not linked to a robot. Type: %ros2 connect ADDRESS")
     stop_all()
     set_graph(Graph(notebook=True))
     graph.close()

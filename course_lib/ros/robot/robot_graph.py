@@ -789,7 +789,7 @@ class RobotGraph(Graph):
             self._tap_endpoints[key] = self.add_subscription(node, 0, *key, offered_qos[key], ignore)
 
     def _watch_link(self) -> None:
-        """Report when the link is lost or back, and when the robot stops answering."""
+        """Report when the link is lost or restored, and when the robot stops answering."""
         is_up, address = self.link.is_up(), self.link.address
         if self._is_up and not is_up:
             self._down_since = wall.monotonic()

@@ -137,8 +137,8 @@ class BlockedTraffic:
 class StopCommand:
     """Publishes the commands of one publisher, and a zero velocity when commands are no longer published.
 
-    The link may lose a stop command. One that no subscription received is sent again as soon as there is
-    one.
+    The link may lose a stop command. If no subscription received it, it is sent again to the next
+    subscription.
     """
 
     def __init__(self, publisher: NetworkPublisher, type_name: str) -> None:

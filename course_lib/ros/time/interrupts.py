@@ -70,7 +70,7 @@ class Callback:
 
     @property
     def seconds(self) -> float:
-        """How long it has been running, in wall time [s]."""
+        """The wall time since the callback began [s]."""
         return wall.monotonic() - self.since
 
 

@@ -653,7 +653,7 @@ real_signal, real_getsignal = signal.signal, signal.getsignal
 class HiddenHandler:
     """rclpy's handler of a signal, and the handler that it has replaced and calls.
 
-    In ROS the former is written in C, so that Python shows the latter.
+    In ROS, rclpy's handler is written in C, so `signal.getsignal` returns the replaced one.
     """
 
     handler: Any

@@ -97,7 +97,7 @@ class ConsoleView(RqtView):
         return [str(number), message, icon(sign) + severity, escape(log.name), stamp, location]
 
 
-# In robot time.
+# Window of the statistics, in robot time.
 _WINDOW_NS = 5 * 10**9
 _TOPIC_HEADS = ("Topic", "Type", "Bandwidth", "Hz", "Value")
 

@@ -313,7 +313,7 @@ def test_idl_file_next_to_the_msg_file_it_was_built_from_is_ignored(folder: Path
         ("is_late", "import", 15, "'import' is a keyword of Python, so choose another name"),
         ("is_late", "is_free", 15, "the field 'is_free' is already defined above"),
         ('"(1, 2)"', '"(1, x)"', 19, 'expected default values like "(1, 2)"'),
-        ('"(1, 2)"', '"(1, 2, 3, 4, 5)"', 19, "5 default values are too many or too few for 4"),
+        ('"(1, 2)"', '"(1, 2, 3, 4, 5)"', 19, "expected at most 4 default values, not 5"),
         ("FAST = 1", "FAST = 300", 8, "'300' is not a value of the type uint8"),
         ("typedef", "enum", 6, "expected a module, struct, typedef or const, not 'enum'"),
         ("};\n", "\u00e9", 24, "'\u00e9' is not a character of IDL"),

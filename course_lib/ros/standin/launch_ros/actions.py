@@ -446,7 +446,7 @@ class ComposableLifecycleNode(ComposableNode):
         self.loading_action: Action | None = None
 
     def init_lifecycle_event_manager(self, context: LaunchContext) -> None:
-        """Connect the node with the events of the launch."""
+        """Connect the node to the events of the launch."""
         self.node_name = self._settings.full_name(context)
         LifecycleEventManager(self).setup_lifecycle_manager(context)
 

@@ -333,7 +333,7 @@ class Executor(AbstractContextManager["Executor"]):
             self._spin_once_impl(limit_ns, never)
 
     def __explained_in_callback(self, limit_ns: int, reason: str) -> AbstractContextManager[None]:
-        """Return a block in which the interruption of an endless wait is explained in a callback."""
+        """Return a context manager that explains an interrupted endless wait if a callback waits."""
         is_nested = limit_ns < 0 and threading.get_ident() in self.__under_way
         return explain_interrupts(lambda: reason if is_nested else "")
 
@@ -437,8 +437,8 @@ class Executor(AbstractContextManager["Executor"]):
     def __enter_waits(self, limit_ns: int, condition: Callable[[], bool]) -> _Waits:
         """Begin a wait.
 
-        As in rclpy, a wait with the arguments of the latest call raises while another thread is in
-        it.
+        As in rclpy, it raises if the latest wait had the same arguments and another thread is still
+        waiting in it.
         """
         arguments = (limit_ns, condition)
         if self.__waits.arguments != arguments:

@@ -1,4 +1,4 @@
-"""Names of rclpy's own Node and Executor that a student's subclass uses, which breaks on a robot.
+"""Private names of rclpy's Node and Executor. A subclass that uses one breaks on a robot.
 
 The stand-in keeps its own state under other names, so such a class would work here. Each name is a
 descriptor of the class that reports assignments. Python calls a descriptor only for its own

@@ -347,7 +347,7 @@ class LifecycleNodeMixin(ManagedEntity):
 
     Args:
         enable_communication_interface: Whether other nodes can query and change the state.
-        callback_group: The group of the services that they use for it.
+        callback_group: The group of the services for these queries and changes.
     """
 
     def __init__(
