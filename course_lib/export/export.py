@@ -23,7 +23,7 @@ from course_lib.export.module import (
 from course_lib.files import draft_folder
 from course_lib.host import user_name
 from course_lib.ros.package_template import PackageText, check_package_name, fill_template, package_files
-from course_lib.ros.programs.build_files import executables_of
+from course_lib.ros.programs.build_files import build_faults, executables_of
 from course_lib.third_party import parse_python, read_bytes, read_text
 
 _FOLDERS = {".rviz": "rviz", ".yaml": "config", ".yml": "config", ".urdf": "urdf", ".py": "launch"}
@@ -190,20 +190,25 @@ _TESTED_BY = ("ament_copyright", "ament_flake8", "ament_pep257", "python3-pytest
 
 @dataclass(frozen=True)
 class Report:
-    """The missing parts of a package: those required to build and start it, and advised ones."""
+    """The missing parts of a package: those required to build and start it, and advised ones.
+
+    `faults` are sentences on parts with which the build or the start fails on a robot.
+    """
 
     name: str
     missing: tuple[str, ...]
     advice: tuple[str, ...]
+    faults: tuple[str, ...] = ()
 
     @property
     def is_complete(self) -> bool:
         """True if the package can be built and started."""
-        return not self.missing
+        return not self.missing and not self.faults
 
     def lines(self) -> list[str]:
         """Return a line for each missing part."""
-        lines = [f"lacks: {text}" for text in self.missing] + [f"advised: {text}" for text in self.advice]
+        lines = [f"lacks: {text}" for text in self.missing] + [f"fails: {text}" for text in self.faults]
+        lines += [f"advised: {text}" for text in self.advice]
         return lines or [f"{self.name} has everything that a package needs."]
 
 
@@ -224,6 +229,7 @@ def lacks(folder: Path) -> Report:
     name = folder.resolve().name
     required = [path.format(name) for path in _REQUIRED]
     missing = [f"the file {path}" for path in required if not (folder / path).is_file()]
+    faults: list[str] = []
     advice = [f"a file {path}" for path in _RECOMMENDED if not any(folder.glob(path))]
     for file, check in (
         ("package.xml", _check_manifest),
@@ -241,7 +247,11 @@ def lacks(folder: Path) -> Report:
             advice.append("package.xml: text in place of each TODO")
         if "@todo" in text or "example.com" in text:
             advice.append("package.xml: your name and address as maintainer")
-    return Report(name, tuple(missing), tuple(advice))
+        faults = build_faults(name, folder)
+    # A line on a missing part of a file says the same in fewer words.
+    told = [file for file in _REQUIRED[:3] if any(file in line for line in missing)]
+    faults = [fault for fault in faults if Path(fault.partition(":")[0].partition(",")[0]).name not in told]
+    return Report(name, tuple(missing), tuple(advice), tuple(faults))
 
 
 def _check_manifest(file: Path, name: str) -> Iterator[str]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from course_lib.ros.programs.build_files import build_faults
 from tests.ros.launch.run import recorded
 
 STYLE = (
@@ -70,3 +71,33 @@ def test_colcon_builds_and_tests_the_package_and_its_nodes_start(workspace: Path
     import perception_dashboard  # type: ignore[import-not-found]  # what the launch has started
 
     assert workspace / "install" in Path(perception_dashboard.__file__).parents
+
+
+# What `ros2 run` needs of a build: the executable, and the hook that extends AMENT_PREFIX_PATH.
+INSTALLED = ("lib/{0}/tf_publisher", "share/{0}/hook/ament_prefix_path.sh")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("file", "old", "new", "missing"),
+    [
+        ("setup.cfg", "install_scripts", "other_scripts", INSTALLED[:1]),
+        ("package.xml", "<version>", "<!-- -- --><version>", INSTALLED[1:]),
+        ("package.xml", "<license>", "<licence>x</licence><license>", INSTALLED[1:]),
+        ("package.xml", "ament_python", "ament_pyton", INSTALLED),
+        ("setup.py", "'resource/' +", "'resources/' +", INSTALLED[:1]),
+    ],
+)
+def test_colcon_build_lacks_what_a_reported_fault_breaks(
+    package: Path, tmp_path: Path, file: str, old: str, new: str, missing: tuple[str, ...]
+) -> None:
+    folder = Path(shutil.copytree(package, tmp_path / "src" / package.name))
+    assert build_faults(package.name, folder) == []
+    assert old in (folder / file).read_text()
+    (folder / file).write_text((folder / file).read_text().replace(old, new))
+    assert len(build_faults(package.name, folder)) == 1
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    subprocess.run(["colcon", "build"], cwd=tmp_path, capture_output=True, timeout=600, env=environment)
+    prefix = tmp_path / "install" / package.name
+    files = [path for path in INSTALLED if not (prefix / path.format(package.name)).exists()]
+    assert files == list(missing)

@@ -9,14 +9,17 @@ import pytest
 
 from course_lib import cli
 from course_lib.errors import CourseError
+from course_lib.export.export import lacks
 from course_lib.ros.graph.graph import START_NS, Graph, use_graph
 from course_lib.ros.hints import hint
+from course_lib.ros.programs.build_files import build_faults
 from course_lib.ros.programs.packages import NotAvailableError, not_found_reason, packages, unavailable_reason
 from course_lib.ros.programs.program import run_files
 from course_lib.tools.run import ros2_over
+from tests.ros.launch.run import MANIFEST, SETUP_CFG
 
 SCRIPTS = '["talker = my_robot.talker:main", "fail = my_robot.talker:fail"]'
-SETUP = f'setup(entry_points={{"console_scripts": {SCRIPTS}}})'
+SETUP = f'setup(packages=["my_robot"], entry_points={{"console_scripts": {SCRIPTS}}})'
 TALKER = """
 import sys
 from arm_msgs.msg import Angle
@@ -42,6 +45,7 @@ CMAKE = (
 PACKAGES = ("my_robot", "other_robot", "arm_msgs", "tools/far_msgs")
 FILES = {
     "my_robot/setup.py": SETUP,
+    "my_robot/setup.cfg": SETUP_CFG,
     "my_robot/CMakeLists.txt": CMAKE,
     "my_robot/scripts/hello.py": SCRIPT,
     "my_robot/my_robot/__init__.py": "",
@@ -64,7 +68,7 @@ def workspace(tmp_path: Path, restored_packages: None) -> Path:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text)
     for folder in (tmp_path / "src" / name for name in PACKAGES):
-        (folder / "package.xml").write_text(f"<package><name>{folder.name}</name></package>")
+        (folder / "package.xml").write_text(MANIFEST.replace("my_robot", folder.name))
     return tmp_path / "src"
 
 
@@ -373,3 +377,93 @@ def test_missing_argument_of_a_program_has_a_hint(
     with pytest.raises((IndexError, ValueError)) as caught:
         runpy.run_path(str(file))
     assert ("course run FILE -- VALUES" in hint(caught.value)) is is_missing
+
+
+RESOURCE = ', data_files=[("share/index", ["resource/my_robot"])])'
+CMAKE_BUILT = ("ament_python", "ament_cmake")
+
+
+# Each row was built with colcon, or read by CMake: the second group of a row fails there.
+@pytest.mark.parametrize(
+    ("file", "old", "new", "fault"),
+    [
+        (
+            "setup.cfg",
+            SETUP_CFG,
+            "",
+            "has no install_scripts. ros2 run finds",
+        ),
+        ("setup.cfg", "lib/my_robot", "lib/robot", "has install_scripts=$base/lib/robot."),
+        ("setup.cfg", SETUP_CFG, "script_dir=$base", "no section headers"),
+        ("setup.py", '"]})', '"]}' + RESOURCE, "resource/my_robot of data_files is missing"),
+        ("setup.py", "]})", "]}" + RESOURCE.replace("resource/my_robot", "my_robot"), "is a folder"),
+        (
+            "setup.py",
+            'packages=["my_robot"]',
+            "packages=[]",
+            "packages lacks 'my_robot'",
+        ),
+        ("setup.py", 'packages=["my_robot"], ', "", "expected packages=[package_name]"),
+        ("setup.py", "console_scripts", "console_script", "expected the key 'console_scripts'"),
+        ("package.xml", "</package>", "", "not XML: no element found: line"),
+        ("package.xml", "A robot.", "A & B", "not XML: not well-formed (invalid token): line 4"),
+        ("package.xml", "<version>0.1.0</version>", "", "expected one <version> with a text, found 0"),
+        ("package.xml", "0.1.0", "0.1", "the version is '0.1', expected three numbers"),
+        ("package.xml", "A robot.", "", "expected one <description> with a text"),
+        ("package.xml", "<license>MIT</license>", "", "expected <license> with a text"),
+        ("package.xml", 'maintainer email="ada@example.com"', "maintainer", "<maintainer> has no address"),
+        ("package.xml", ' format="3"', "", '<depend> needs <package format="3">'),
+        ("package.xml", "<depend>", "<depends>rclpy</depends><depend>", "<depends> does not belong there"),
+        ("package.xml", "<depend>", "<run_depend>numpy</run_depend><depend>", "<run_depend> does not belong"),
+        ("package.xml", "<depend>", "<exec_depend>rclpy</exec_depend><depend>", "rclpy is in <depend> and"),
+        ("package.xml", "<build_type>ament_python</build_type>", "", "the build type is 'catkin'"),
+        ("package.xml", "ament_python", "ament_pyton", "the build type is 'ament_pyton', which Jazzy lacks"),
+    ],
+)
+def test_fault_in_a_package_file_is_reported_when_the_package_starts(
+    file: str, old: str, new: str, fault: str, workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = workspace / "my_robot" / file
+    assert build_faults("my_robot", path.parent) == []
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new))
+    code, text = run_program(workspace / "my_robot:talker", capsys)
+    assert code == 0
+    assert "my robot 57 2.0 3.0 m" in text
+    assert f"warning: package 'my_robot' starts here, but not on a robot: {path}" in text
+    assert fault in text
+    assert "warning" not in run_program(workspace / "my_robot:talker", capsys)[1]
+    assert not lacks(path.parent).is_complete
+
+
+def test_package_without_init_file_is_reported_if_setup_searches_packages(workspace: Path) -> None:
+    robot = workspace / "my_robot"
+    (robot / "my_robot" / "__init__.py").unlink()
+    assert build_faults("my_robot", robot) == []
+    (robot / "setup.py").write_text(SETUP.replace('["my_robot"]', "find_packages()"))
+    assert build_faults("my_robot", robot) == [
+        f"{robot / 'my_robot'}: find_packages() of setup.py skips it, as it has no __init__.py."
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ('if((A) AND (B)) # (\nset(y \\( "(" [==[ ( ]==])\nendif()\n#[[ ) " ]]\n', ""),
+        (
+            "project(x)\ninstall(PROGRAMS a.py\n  DESTINATION lib\nset(x 1)\n",
+            "line 2: this command has",
+        ),
+        ("set(x 1))\n", "line 1: ) closes no command"),
+        ('set(x 1)\nset(y "a)\n', 'line 2: " has no second quote'),
+        ("message(ament_package)\n", "without it ros2 finds no package"),
+        ("project(other)\n", "project(other) is not the <name> of package.xml, my_robot"),
+    ],
+)
+def test_fault_in_a_cmake_file_is_reported_as_by_cmake(text: str, fault: str, workspace: Path) -> None:
+    robot = workspace / "my_robot"
+    (robot / "package.xml").write_text(MANIFEST.replace(*CMAKE_BUILT))
+    (robot / "CMakeLists.txt").write_text(text if "message" in text else f"{text}ament_package()\n")
+    faults = build_faults("my_robot", robot)
+    assert len(faults) == bool(fault)
+    assert fault in "".join(faults)

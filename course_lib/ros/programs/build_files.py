@@ -2,6 +2,9 @@
 
 Nothing is executed. Of setup.py the literal arguments are read, and of CMakeLists.txt the commands
 that install files or register executables, with variables, loops, macros and functions.
+
+The kit starts programs from their sources and needs less than colcon. `build_faults` lists what colcon
+or ros2 rejects, so that a package that runs here does not fail on a robot only.
 """
 
 import ast
@@ -13,8 +16,9 @@ from configparser import ConfigParser
 from configparser import Error as ConfigError
 from dataclasses import dataclass, field
 from functools import lru_cache
-from itertools import islice
+from itertools import filterfalse, islice
 from pathlib import Path, PurePosixPath
+from xml.etree import ElementTree
 
 from course_lib.errors import CourseError
 from course_lib.third_party import MOST_TEXT, check_regular, check_size, parse_python, read_bytes, read_text
@@ -469,3 +473,160 @@ def _glob(folder: Path, pattern: str) -> list[Path]:
 def _argument_after(keyword: str, arguments: list[str]) -> list[str]:
     """Return a list with the argument after a keyword, or [] without the keyword."""
     return arguments[arguments.index(keyword) + 1 :][:1] if keyword in arguments else []
+
+
+# Text of a CMakeLists.txt in which parentheses have no meaning: a bracket argument, a bracket comment,
+# a comment, a quoted argument and an escaped character. Then the parentheses.
+_CMAKE_TOKEN = re.compile(r'#?\[(=*)\[.*?\]\1\]|#[^\n]*|"(?:\\.|[^"\\])*"|\\.|([()"])', re.S)
+_BUILT_BY = {"ament_python": "setup.py", "ament_cmake": "CMakeLists.txt", "cmake": "CMakeLists.txt"}
+_ONCE_IN_MANIFEST = ("name", "version", "description")
+_DEPENDENCIES = ("build_depend", "build_export_depend", "exec_depend")
+_IN_MANIFEST = re.compile(
+    "name|version|description|maintainer|license|url|author|export|conflict|replace|member_of_group|"
+    "(build_|build_export_|buildtool_|buildtool_export_|exec_|doc_|test_|group_)?depend"
+)
+
+
+def build_faults(name: str, sources: Path) -> list[str]:
+    """Return a sentence for each reason why a package in its sources does not start on a robot.
+
+    Each rule was observed with colcon and CMake. The build fails, or it lacks the executable, the
+    module or the entry of AMENT_PREFIX_PATH that `ros2 run` searches.
+    """
+    manifest = sources / "package.xml"
+    try:
+        root = ElementTree.fromstring(read_bytes(manifest))
+    except (OSError, ElementTree.ParseError, ValueError, LookupError) as error:
+        return [f"{manifest}: not XML: {error}. colcon does not build it as a ROS package."]
+    declared = {(element.text or "").strip() for element in root.iterfind("export/build_type")}
+    # The build type of ROS 1, if a package.xml states none.
+    build_types = declared or {"catkin"}
+    builders = [_BUILT_BY[build_type] for build_type in sorted(build_types) if build_type in _BUILT_BY]
+    if not builders:
+        other = "" if (sources / "CMakeLists.txt").exists() else "ament_python"
+        expected = f"<export><build_type>{other or 'ament_cmake'}</build_type></export>"
+        fault = f"{manifest}: the build type is {min(build_types)!r}, which Jazzy lacks. Write {expected}."
+        return [fault, *_manifest_faults(manifest, root)]
+    faults = [f"{sources / file}: missing, and the build type requires it." for file in builders]
+    faults = [fault for fault, file in zip(faults, builders, strict=True) if not (sources / file).is_file()]
+    faults += _manifest_faults(manifest, root)
+    if "setup.py" in builders and (sources / "setup.py").is_file():
+        faults += _setup_faults(name, sources)
+    if "CMakeLists.txt" in builders and (sources / "CMakeLists.txt").is_file():
+        faults += _cmake_faults(name, sources / "CMakeLists.txt", "ament_cmake" in build_types)
+    # Executables of one module have the same fault.
+    return list(dict.fromkeys(faults))
+
+
+def _manifest_faults(manifest: Path, root: ElementTree.Element) -> Iterator[str]:
+    """Yield faults of a package.xml with which colcon does not build it as a ROS package."""
+    texts: dict[str, list[str]] = {}
+    for element in root:
+        texts.setdefault(element.tag, []).append("".join(element.itertext()).strip())
+    for tag in _ONCE_IN_MANIFEST:
+        if len(values := texts.get(tag, [])) != 1 or not values[0]:
+            yield f"{manifest}: expected one <{tag}> with a text, found {len(list(filter(None, values)))}."
+    if "maintainer" not in texts or not all(texts.get("license", [""])):
+        yield f"{manifest}: expected <{'license' if 'maintainer' in texts else 'maintainer'}> with a text."
+    if any(not element.get("email") for element in root.iterfind("maintainer")):
+        yield f'{manifest}: <maintainer> has no address. Write <maintainer email="you@example.com">.'
+    version = "".join(texts.get("version", ["0.0.0"]))
+    if version and not re.fullmatch(r"\d+\.\d+\.\d+", version):
+        yield f"{manifest}: the version is {version!r}, expected three numbers like 0.1.0."
+    is_first_format = root.get("format", "1") == "1"
+    if is_first_format and (newer := {"depend", "exec_depend"} & texts.keys()):
+        yield f'{manifest}: <{max(newer)}> needs <package format="3">.'
+    for tag in filterfalse(_IN_MANIFEST.fullmatch, texts):
+        if not (is_first_format and tag == "run_depend"):
+            yield f"{manifest}: the element <{tag}> does not belong there."
+    for tag in _DEPENDENCIES:
+        if twice := sorted({*texts.get("depend", [])} & {*texts.get(tag, [])}):
+            yield f"{manifest}: {twice[0]} is in <depend> and in <{tag}>. Delete the second one."
+
+
+def _setup_faults(name: str, sources: Path) -> Iterator[str]:
+    """Yield faults of setup.py and setup.cfg with which the build or an executable fails."""
+    setup, setup_cfg = sources / "setup.py", sources / "setup.cfg"
+    tree = _tree_of(setup)
+    assert tree is not None
+    values = _Values(tree, sources)
+    parser = ConfigParser(interpolation=None)
+    try:
+        parser.read(setup_cfg, encoding="utf-8-sig")
+    except (ConfigError, UnicodeDecodeError) as error:
+        yield f"{setup_cfg}: {str(error).splitlines()[0]} Write sections like [install]."
+        return
+    keywords = {node.arg: node.value for node in ast.walk(tree) if isinstance(node, ast.keyword)}
+    for entry in getattr(keywords.get("data_files"), "elts", ()):
+        # A search for "**" finds other files here than in setup.py.
+        is_read = len(getattr(entry, "elts", ())) == 2 and "**" not in ast.unparse(entry)
+        for file in values.texts(entry.elts[1]) if is_read else ():
+            if not (sources / file).is_file() and not file.endswith("__pycache__"):
+                kind = "a folder" if (sources / file).is_dir() else "missing"
+                yield f"{setup}, line {entry.lineno}: the file {file} of data_files is {kind}."
+    scripts = _console_scripts(tree, values)
+    if not scripts:
+        return
+    words = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
+    if not any("console_scripts" in word for word in words if isinstance(word, str)):
+        yield f"{setup}: expected the key 'console_scripts' in entry_points."
+    # Distutils reads a dash in the name of an option as an underscore.
+    options = parser.items("install") if parser.has_section("install") else []
+    folder = {key.replace("-", "_"): value for key, value in options}.get("install_scripts", "")
+    if folder.rstrip("/") != f"$base/lib/{name}":
+        found = f"has install_scripts={folder}" if folder else "has no install_scripts"
+        yield f"{setup_cfg}: [install] {found}. ros2 run finds executables in $base/lib/{name} only."
+    yield from _module_faults(setup, tree, values, scripts, parser)
+
+
+def _module_faults(
+    setup: Path,
+    tree: ast.Module,
+    values: _Values,
+    scripts: dict[str, tuple[str, str]],
+    parser: ConfigParser,
+) -> Iterator[str]:
+    """Yield the modules of executables that setup.py does not install."""
+    keywords = {node.arg: node.value for node in ast.walk(tree) if isinstance(node, ast.keyword)}
+    packages = keywords.get("packages")
+    if packages is None:
+        if not parser.has_option("options", "packages") and not keywords.keys() & {"py_modules", None}:
+            yield f"{setup}: expected packages=[package_name] in setup()."
+        return
+    listed = values.texts(packages)
+    is_search = isinstance(packages, ast.Call) and getattr(packages.func, "id", "") == "find_packages"
+    for executable, (module, _) in scripts.items():
+        parents = module.split(".")[:-1]
+        paths = [".".join(parents[: depth + 1]) for depth in range(len(parents))]
+        for path in paths if is_search else paths[-1:]:
+            folder = setup.parent / path.replace(".", "/")
+            if is_search and folder.is_dir() and not (folder / "__init__.py").is_file():
+                yield f"{folder}: find_packages() of setup.py skips it, as it has no __init__.py."
+            elif isinstance(packages, ast.List) and folder.is_dir() and path not in listed:
+                yield f"{setup}: packages lacks {path!r}, the module of {executable}."
+
+
+def _cmake_faults(name: str, cmake: Path, is_ament: bool) -> Iterator[str]:
+    """Yield faults with which CMake stops, or ros2 does not find the package."""
+    text = read_text(cmake, errors="replace")
+    opened = list[int]()
+    for token in _CMAKE_TOKEN.finditer(text):
+        line = text.count("\n", 0, token.start()) + 1
+        if token[2] == "(":
+            opened.append(line)
+        elif token[2] == '"' or (token[2] and not opened):
+            place = "has no second quote" if token[2] == '"' else "closes no command"
+            yield f"{cmake}, line {line}: {token[2]} {place}, so CMake stops there."
+            return
+        elif token[2]:
+            opened.pop()
+    if opened:
+        yield f"{cmake}, line {opened[0]}: this command has no closing parenthesis, so CMake stops there."
+        return
+    code = _CMAKE_TOKEN.sub(lambda token: "" if token[0].startswith("#") else token[0], text)
+    commands = {command.lower(): arguments.split() for command, arguments in _COMMAND.findall(code)}
+    if is_ament and not commands.keys() & {"ament_package", "ament_auto_package"}:
+        yield f"{cmake}: expected ament_package() as its last command; without it ros2 finds no package."
+    project = "".join(commands.get("project", [name])[:1])
+    if is_ament and project != name and "$" not in project:
+        yield f"{cmake}: project({project}) is not the <name> of package.xml, {name}."

@@ -8,8 +8,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from course_lib.errors import CourseError, did_you_mean, location_of
-from course_lib.ros.programs.build_files import malformed_script
+from course_lib.errors import CourseError, did_you_mean, format_count, location_of
+from course_lib.ros.programs.build_files import build_faults, malformed_script
 from course_lib.ros.programs.packages import (
     NotAvailableError,
     Package,
@@ -36,6 +36,8 @@ _AS_EXECUTABLE = {
 }
 # Packages that processes have imported. The next launch reads their files again.
 _imported: set[str] = set()
+# Warnings about packages that were printed.
+_warned: set[str] = set()
 
 
 class RunProgram(Function):
@@ -69,6 +71,7 @@ def find_executable(
     """
     package_found = find_package(package)
     if package_found is not None and executable in package_found.executables:
+        _warn_of_faults(package_found)
         return partial(_call, package_found, executable)
     if (package, executable) in kit_executables:
         return kit_executables[package, executable]
@@ -105,6 +108,18 @@ def find_executable(
         f"executable '{executable}' not found in package '{package}', which has: "
         f"{', '.join(names) or 'none'}{did_you_mean(executable, names) or '.'}{advice}"
     )
+
+
+def _warn_of_faults(package: Package) -> None:
+    """Print why a package in its sources does not start on a robot, once for each state of its files."""
+    faults = build_faults(package.name, package.share) if package.share.parent.name != "share" else []
+    more = f" This and {format_count(len(faults) - 1, 'other fault')} are listed" if len(faults) > 1 else ""
+    for fault in faults[:1]:
+        warning = f"warning: package '{package.name}' starts here, but not on a robot: {fault}{more}"
+        warning += f" by: course export --check {package.share}\n" if more else "\n"
+        if warning not in _warned:
+            _warned.add(warning)
+            sys.stderr.write(warning)
 
 
 def _is_built_by_other_macros(package: Package) -> bool:

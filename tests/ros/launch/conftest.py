@@ -3,6 +3,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.ros.launch.run import MANIFEST, SETUP_CFG
+
 TALKER = """
 import sys
 
@@ -44,7 +46,7 @@ def fail():
 """
 SETUP = """
 package_name = "my_robot"
-setup(entry_points={"console_scripts": [
+setup(packages=[package_name], entry_points={"console_scripts": [
     "talker = my_robot.talker:main", "once = my_robot.talker:once", "fail = my_robot.talker:fail"]})
 """
 IMPORTS = """
@@ -76,7 +78,8 @@ def robot(tmp_path: Path) -> Path:
     root = tmp_path / "my_robot"
     for folder in ("my_robot", "launch", "config"):
         (root / folder).mkdir(parents=True)
-    (root / "package.xml").write_text('<package format="3"><name>my_robot</name></package>')
+    (root / "package.xml").write_text(MANIFEST)
+    (root / "setup.cfg").write_text(SETUP_CFG)
     (root / "setup.py").write_text(SETUP)
     (root / "my_robot" / "__init__.py").touch()
     (root / "my_robot" / "talker.py").write_text(TALKER)
