@@ -58,8 +58,9 @@ _HINTS = {
 _FEW_CALLS = 20
 # The number of frames of a buffer that a hint names.
 _MOST_FRAMES = 8
-# The table of attributes that rclpy lacks, whose patterns match "rclpy.time.Time.now".
-_OF_RCLPY = "OfRclpy"
+# The table of attributes that rclpy lacks, whose patterns match "rclpy.time.Time.now", and the table
+# of patterns that match the failing line and the error.
+_OF_RCLPY, _OF_LINES = "OfRclpy", "OfLines"
 
 
 def add_hint(error: BaseException) -> None:
@@ -102,14 +103,13 @@ def _find_hint(error: BaseException) -> str:
         or near_names.parameter_hint(error)
         or near_names.keyword_hint(error)
         or _enum_hint(error)
-        or _lifecycle_hint(error, text)
+        or _line_hint(error, text)
         or _task_argument_hint(error, text)
         or near_names.extra_argument_hint(error)
         or near_names.keyword_argument_hint(error)
         or near_names.constructor_hint(error)
         or near_names.unnamed_field_hint(error)
         or near_names.property_hint(error)
-        or _super_hint(error, text)
         or _unbound_hint(error, text)
         or _tf_hint(error, text)
         or _callback_hint(error)
@@ -123,12 +123,7 @@ def _find_hint(error: BaseException) -> str:
         or _future_hint(error)
         or _base_class_hint(error)
         or value_hints.list_hint(error, text)
-        or value_hints.append_hint(error, text)
-        or value_hints.missing_comma_hint(error, text)
-        or value_hints.range_hint(error, text)
-        or value_hints.numpy_hint(error, text)
         or value_hints.unpacked_string_hint(error, text)
-        or _program_arguments_hint(error)
         or value_hints.index_hint(error)
         or value_hints.none_hint(error, text)
         or value_hints.number_loop_hint(error)
@@ -268,6 +263,13 @@ def _rclpy_attribute_hint(error: BaseException) -> str:
     return ""
 
 
+def _line_hint(error: BaseException, text: str) -> str:
+    """Return the first hint of the table whose pattern matches the student's line and the error, or ""."""
+    both = f"{line_of_student(error).rstrip()}\n{type(error).__name__}: {text}"
+    found = ((row, re.search(row.text, both)) for row in _HINTS[_OF_LINES])
+    return next((row.hint.format(match[0], *match.groups()) for row, match in found if match), "")
+
+
 def _table_hint(error: BaseException, text: str) -> str:
     """Return the first matching hint of the table, or "".
 
@@ -286,22 +288,6 @@ def _table_hint(error: BaseException, text: str) -> str:
     return ""
 
 
-def _super_hint(error: BaseException, text: str) -> str:
-    """Return the hint for wrong names in super( ), or wrong arguments behind it, or ""."""
-    surplus = re.match(r"(\w+)\.__init__\(\) takes (\d) positional arguments? but \d", text)
-    if surplus and re.search(r"\bsuper\(\)\.__init__\(\s*self\b", line_of_student(error)):
-        return "super() passes self itself: write `super().__init__('a_name')`."
-    if surplus and surplus[2] == "1" and re.search(r"\bsuper\(\)\.__init__\(", line_of_student(error)):
-        return (
-            f"this class is derived from {surplus[1]}, whose __init__ takes no value: write (Node) "
-            "after the name of the class, or super().__init__()."
-        )
-    if "object.__init__() takes exactly one argument" not in text:
-        return ""
-    is_named = re.search(r"\bsuper\(\s*\w+\s*,", line_of_student(error))
-    return "write `super().__init__('a_name')`, with nothing in super( )." if is_named else ""
-
-
 def _enum_hint(error: BaseException) -> str:
     """Return the hint for a member that an enumeration of ROS does not have, or ""."""
     if not isinstance(error, AttributeError) or not isinstance(error.obj, EnumType):
@@ -310,16 +296,6 @@ def _enum_hint(error: BaseException) -> str:
     if near_names.nearest(error.name or "", kind.__members__):
         return ""
     return f"{kind.__name__.removesuffix('Type')} has {join_words(list(kind.__members__)[:_MOST_FRAMES])}."
-
-
-def _lifecycle_hint(error: BaseException, text: str) -> str:
-    """Return the hint for a transition callback with a wrong signature or result, or ""."""
-    callback = re.search(r"\.(on_(?:configure|activate|deactivate|cleanup|shutdown|error))\(\) takes 1", text)
-    if callback and isinstance(error, TypeError):
-        return f"the callback gets the state before the transition: write `def {callback[1]}(self, state)`."
-    if "TransitionCallbackReturnType.to_label() missing" in text:
-        return "end the callback with `return TransitionCallbackReturn.SUCCESS`, FAILURE or ERROR."
-    return ""
 
 
 def _task_argument_hint(error: BaseException, text: str) -> str:
@@ -365,7 +341,6 @@ def _unbound_hint(error: BaseException, text: str) -> str:
 def _tf_hint(error: BaseException, text: str) -> str:
     """Return the hint for wrong arguments of a Buffer or a transformation, or ""."""
     frames = [frame for frame, _ in walk_tb(error.__traceback__)]
-    line = line_of_student(error)
     if isinstance(error, AttributeError) and any(
         frame.f_code.co_name.startswith("do_transform_") for frame in frames
     ):
@@ -383,17 +358,6 @@ def _tf_hint(error: BaseException, text: str) -> str:
         return "the timeout is a Duration and not a number: `Duration(seconds=1.0)`."
     if type(error).__name__ == "LookupException" and (found := _frames_hint(error, text)):
         return found
-    if isinstance(error, TypeError) and re.match(
-        r"Buffer(Core)?\.set_transform.* missing .*'authority'", text
-    ):
-        return "this is the class Buffer: create an object, `Buffer()`."
-    if "'qos_profile'" in text and re.search(r"create_subscription\([^,]+,[^,]+,\s*[\w.]+\s*\)", line):
-        number = re.search(r",\s*\d+\s*\)", line)
-        if number:
-            return (
-                "the callback is missing before the depth: "
-                "`self.create_subscription(Marker, '/a_topic', self.heard, 10)`."
-            )
     return ""
 
 
@@ -546,10 +510,6 @@ def _base_class_hint(error: BaseException) -> str:
     """Return the hint for a class whose base is an object, because a variable has its name, or ""."""
     line = line_of_student(error)
     frame = frame_of(error)
-    match = re.match(r"\s*class (\w+)\(([\w.]+)\)", line)
-    if match and str(error).startswith("module() takes"):
-        name = "Node" if match[2].endswith("node") else "a class of it"
-        return f"{match[2]} is a module: write {name} in ( ), as in class {match[1]}(Node): …."
     match = re.match(r"\s*class \w+\((\w+)\)", line)
     if match is None or frame is None or not isinstance(error, TypeError):
         return ""
@@ -711,19 +671,6 @@ def _request_hint(error: BaseException) -> str:
     ]
     arguments = ", ".join(simple) if len(simple) == len(fields) else ""
     return f"pass a request, with (): `{service.__name__}.Request({arguments})`."
-
-
-def _program_arguments_hint(error: BaseException) -> str:
-    """Return the hint for a program that reads more command-line arguments than it has, or ""."""
-    if not isinstance(error, IndexError | ValueError):
-        return ""
-    is_short = isinstance(error, IndexError) or "not enough values to unpack" in str(error)
-    if not is_short or "sys.argv" not in line_of_student(error):
-        return ""
-    return (
-        "the program needs arguments: course run FILE -- VALUES, or in a launch file, for its "
-        "Node, `arguments=['1.0', '2.0']`."
-    )
 
 
 def _missing_self_hint(error: NameError, text: str) -> str:

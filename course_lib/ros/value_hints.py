@@ -233,25 +233,6 @@ def _item_hint(index: int, item: Any, text: str) -> str:
     return ""
 
 
-def missing_comma_hint(error: BaseException, text: str) -> str:
-    """Return the hint for items without a comma between them, like [(1, 2) (3, 4)], or ""."""
-    is_call = re.match(r"'(tuple|list|set|dict)' object is not callable", text)
-    is_index = re.match(r"(tuple|list) indices must be integers or slices, not (tuple|list)", text)
-    if not isinstance(error, TypeError) or not (is_call or is_index):
-        return ""
-    found = re.search(r"[\d.\"'][)\]]\s*([(\[])[-\d.\"']", line_of_student(error))
-    return f"a comma is missing between two items, before {found[1]}." if found else ""
-
-
-def range_hint(error: BaseException, text: str) -> str:
-    """Return the hint for range( ) of a list, or ""."""
-    match = re.search(r"\brange\(\s*([\w.]+)\s*\)", line_of_student(error))
-    is_list = re.match(r"'(list|tuple|dict|str)' object cannot be interpreted", text)
-    if match is None or is_list is None:
-        return ""
-    return f"range takes a number: range(len({match[1]})) gives the indices of {match[1]}."
-
-
 def index_hint(error: BaseException) -> str:
     """Return the hint for an index beyond the end of a list, with the numbers, or ""."""
     frame, line = frame_of(error), line_of_student(error)
@@ -293,22 +274,6 @@ def _value_of(index: str, names: Mapping[str, Any]) -> int | None:
 
 # Methods that change their object, and functions that only print. Both return None.
 _WITHOUT_RESULT = r"\w+\.(?:append|extend|insert|remove|reverse|sort|update|add|shuffle)|print"
-
-
-def numpy_hint(error: BaseException, text: str) -> str:
-    """Return the hint for a call of range or numpy whose line shows the mistake, or ""."""
-    line = line_of_student(error)
-    if not isinstance(error, TypeError):
-        return ""
-    if "object is not callable" in text and (found := re.search(r"\.(shape|size|ndim|dtype|T)\(", line)):
-        return f".{found[1]} is a value and not a function: leave out its ( )."
-    if text.startswith("'list' object cannot be") and (
-        found := re.search(r"np\.(concatenate|stack)\(", line)
-    ):
-        return f"{found[1]} takes the arrays in one list: `np.{found[1]}([[1.0], [2.0]])`."
-    if text.startswith("'float' object cannot be") and re.search(r"\brange\([^)]*\d*\.\d*[1-9]", line):
-        return "range has whole numbers only: `np.arange(0.0, 1.0, 0.1)` has steps of a tenth."
-    return ""
 
 
 def unpacked_string_hint(error: BaseException, text: str) -> str:
@@ -358,20 +323,8 @@ def pair_hint(error: BaseException, text: str) -> str:
             if any(re.search(rf"\bfor {name} in [\w.]+\.items\(", lines) for name in names):
                 return "items() gives pairs, a key and a value: write two names between for and in."
     line = line_of_student(error)
-    if text.startswith("cannot unpack non-iterable int") and " in enumerate(" in line:
-        return "enumerate gives pairs, an index and then an item: `for index, item in enumerate(items)`."
     if not isinstance(error, ValueError) or "values to unpack" not in text:
         return ""
-    if keys := re.search(r"\bin ([\w.]+)\.keys\(\)", line):
-        return f"keys() gives only the keys: write {keys[1]}.items()."
-    two_lists = r"\bfor\s+([^\]:]+,[^\]:]+)\s+in\s+\(?\s*([\w.]+\s*,\s*[\w.]+)\s*\)?\s*[:\])]"
-    if loop := re.search(two_lists, line):
-        return f"zip pairs the items of two lists: write for {loop[1]} in zip({loop[2]})."
-    if re.search(r"\bfor \w+(, \w+)+ in enumerate\(", line):
-        return (
-            "enumerate gives pairs, an index and an item. The names for the item's parts are in "
-            "( ): `for index, (x, y) in enumerate([(1.0, 2.0)])`."
-        )
     loop = re.search(r"\bfor [\w, ()]+ in (\w+(?:\.\w+)*)\s*(?:$|[:\])}]| if )", line)
     if loop is None:
         return ""
@@ -411,17 +364,3 @@ def lines_above(error: BaseException) -> Iterator[str]:
         frame, number = own[-1]
         lines = linecache.getlines(frame.f_code.co_filename)
         yield from reversed(lines[frame.f_code.co_firstlineno - 1 : number])
-
-
-def append_hint(error: BaseException, text: str) -> str:
-    """Return the hint for several numbers added to a field of numbers in one step, or ""."""
-    if not isinstance(error, TypeError):
-        return ""
-    line = line_of_student(error)
-    if "must be real number, not list" in text and re.search(r"\.append\(\s*\[", line):
-        return "append adds one number. To set all of them, write = and the list; extend adds them."
-    if "can only extend array with array" in text:
-        return (
-            "a field of numbers is an array: extend adds a list to it, `state.position.extend([0.1, 0.2])`."
-        )
-    return ""
