@@ -652,11 +652,16 @@ _LABEL = 19
 _SERVICES = "Service information: "
 # A service introspected by ROS 2 publishes messages of type PACKAGE/srv/NAME_Event on this topic.
 _EVENT_TOPIC, _EVENT = "/_service_event", "_Event"
+# The kind of an event, the client's id and its call's number, in CDR of service_msgs/msg/ServiceEventInfo.
+_EVENT_HEAD = struct.Struct("4xB3x8x16s4x8s")
+_RESPONSE_SENT = 2
 _UNITS = ("B", "KiB", "MiB", "GiB", "TiB")
 
 
-def bag_info(folder: str | Path, *, digest: bool = True) -> str:
+def bag_info(folder: str | Path, *, digest: bool = True, verbose: bool = False) -> str:
     """Describe a bag in the format of `ros2 bag info`, with an additional line for the digest.
+
+    With `verbose`, the requests and the responses of services are counted instead of their events.
 
     Raises:
         CourseError: The bag does not exist or is damaged.
@@ -676,7 +681,7 @@ def bag_info(folder: str | Path, *, digest: bool = True) -> str:
     services = {
         (topic, type_name): count
         for (topic, type_name), count in counts.items()
-        if topic.endswith(_EVENT_TOPIC) and "/srv/" in type_name and type_name.endswith(_EVENT)
+        if is_service_event(topic, type_name)
     }
     rows = [
         ("Files:", f"\n{' ' * _LABEL}".join(path.name for path in files)),
@@ -700,13 +705,34 @@ def bag_info(folder: str | Path, *, digest: bool = True) -> str:
             _SERVICES,
             f"\n{' ' * len(_SERVICES)}".join(
                 f"Service: {name.removesuffix(_EVENT_TOPIC)} | Type: {kind.removesuffix(_EVENT)} | "
-                f"Event Count: {count} | Serialization Format: cdr"
+                f"{_count_calls(recording, name) if verbose else f'Event Count: {count}'} | "
+                "Serialization Format: cdr"
                 for (name, kind), count in services.items()
-            ),
+            )
+            + "\n" * bool(services),
         ),
         *([("Digest:", recording.digest())] if digest else []),
     ]
     return "\n" + "\n".join(f"{label:<{_LABEL}}{value}" for label, value in rows) + "\n"
+
+
+def is_service_event(topic: str, type_name: str) -> bool:
+    """Return whether rosbag2 regards a topic as the events of a service."""
+    return topic.endswith(_EVENT_TOPIC) and "/srv/" in type_name and type_name.endswith(_EVENT)
+
+
+def _count_calls(recording: Recording, topic: str) -> str:
+    """Count the requests and responses in the events of a service. Client and server may report each."""
+    calls: tuple[set[bytes], set[bytes]] = set(), set()
+    for sample in recording.samples:
+        if sample.topic == topic:
+            if len(sample.cdr) < _EVENT_HEAD.size:
+                raise CourseError(
+                    f"An event on {topic} has only {len(sample.cdr)} bytes: it is not an event."
+                )
+            kind, client, number = _EVENT_HEAD.unpack_from(sample.cdr)
+            calls[kind >= _RESPONSE_SENT].add(client + number)
+    return f"Request Count: {len(calls[0])} | Response Count: {len(calls[1])}"
 
 
 def bag_metadata(folder: Path) -> dict[str, Any]:

@@ -4,14 +4,22 @@ import time
 from argparse import ArgumentTypeError, Namespace
 from collections import deque
 from collections.abc import Iterator
+from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from course_lib.errors import CourseError
-from course_lib.recording import Recording, bag_info, read_bag, record_to_bag, write_bag
+from course_lib.recording import (
+    Recording,
+    bag_info,
+    is_service_event,
+    read_bag,
+    record_to_bag,
+    write_bag,
+)
 from course_lib.ros.graph.graph import Graph, Sample
-from course_lib.ros.graph.topics import CLOCK, tick
+from course_lib.ros.graph.topics import CLOCK, read_tick, tick
 from course_lib.ros.messages.definitions import is_known
 from course_lib.ros.time import pace
 from course_lib.ros.time.interrupts import until_interrupted
@@ -76,32 +84,51 @@ def _record_live(source: Source, arguments: Namespace, write: Write, folder: Pat
     def say(text: str, severity: str = "INFO") -> None:
         write(log_line("rosbag2_recorder", source.graph.now_ns, text, severity))
 
-    limit, start_ns, known_topics = source.limit(), source.graph.now_ns, set[str]()
+    graph, limit, start_ns, known_topics = source.graph, source.limit(), source.graph.now_ns, set[str]()
     # A robot may have types that the kit cannot subscribe to.
     unknown_types = set[str]()
     # Raises a CourseError if rclpy is not initialized.
     source.wait(lambda: True, 0.0)
     say("Listening for topics...")
-    is_selected = partial(_is_recorded, arguments)
-    time_topic = {CLOCK[0]} if arguments.use_sim_time else set[str]()
-    with record_to_bag(
-        source.graph, folder, is_selected, lambda: known_topics | time_topic, in_sim_time=bool(time_topic)
-    ):
+
+    def subscribe() -> None:
+        for topic, types in source.topics().items():
+            if topic in known_topics or not _is_recorded(arguments, topic, types[0]):
+                continue
+            if is_known(types[0]):
+                say(f"Subscribed to topic '{topic}'")
+                known_topics.add(topic)
+            elif types[0] not in unknown_types:
+                say(_UNKNOWN_TYPE.format(topic, types[0]), "WARN")
+                unknown_types.add(types[0])
+
+    # As in rosbag2, no topic but /clock is received before the clock has started.
+    clock_topic = {CLOCK[0]} if arguments.use_sim_time else set[str]()
+    waiting = bool(clock_topic)
+
+    def on_sample(sample: Sample) -> None:
+        nonlocal waiting
+        waiting = waiting and not read_tick(sample)
+
+    is_discovering = True
+    selection = partial(_is_recorded, arguments), lambda: known_topics | clock_topic
+    with record_to_bag(graph, folder, *selection, in_sim_time=waiting), ExitStack() as ends:
+        ends.callback(graph.tap(on_sample, lambda: clock_topic))
         with until_interrupted():
-            while not source.graph.ended and (limit is None or source.graph.now_ns - start_ns < limit * 1e9):
-                for topic, types in source.topics().items():
-                    if topic in known_topics or not _is_recorded(arguments, topic, types[0]):
-                        continue
-                    if is_known(types[0]):
-                        say(f"Subscribed to topic '{topic}'")
-                        known_topics.add(topic)
-                    elif types[0] not in unknown_types:
-                        say(_UNKNOWN_TYPE.format(topic, types[0]), "WARN")
-                        unknown_types.add(types[0])
-                if source.graph.now_ns == start_ns:
-                    say("Recording...")
-                    if arguments.use_sim_time:
-                        say("use_sim_time set, waiting for /clock before starting recording...")
+            if not waiting:
+                subscribe()
+            say("Recording...")
+            if waiting:
+                say("use_sim_time set, waiting for /clock before starting recording...")
+                source.wait(lambda: not waiting, limit)
+                if not waiting:
+                    say("Sim time /clock found, starting recording.")
+            while not graph.ended and (limit is None or graph.now_ns - start_ns < limit * 1e9):
+                if is_discovering:
+                    subscribe()
+                    if arguments.topics and len(known_topics) == len(arguments.topics):
+                        say("All requested topics are subscribed. Stopping discovery...")
+                        is_discovering = False
                 source.wait(lambda: False, POLLING)
         say("Recording stopped")
 
@@ -140,9 +167,11 @@ def _info(source: Source, arguments: Namespace, write: Write) -> None:
             "Warning! You have set both the '-t' and '-v' parameters. The '-t' parameter will be ignored.\n"
         )
     if arguments.topic_name and not arguments.verbose:
-        write("".join(f"{topic.name}\n" for topic in read_bag(arguments.bag_path).topics()))
+        topics = read_bag(arguments.bag_path).topics()
+        names = [topic.name for topic in topics if not is_service_event(topic.name, topic.type_name)]
+        write("".join(f"{name}\n" for name in names))
     else:
-        write(bag_info(arguments.bag_path, digest=False))
+        write(bag_info(arguments.bag_path, digest=False, verbose=arguments.verbose))
 
 
 _INFO = (
@@ -244,7 +273,10 @@ def _play(source: Source, arguments: Namespace, write: Write, player: _Player) -
     graph, limit = source.graph, source.limit()
     zero_ns = graph.now_ns
     while True:
-        source.wait(lambda: False, arguments.delay)
+        if arguments.delay:
+            delay_ns = round(arguments.delay * 1e9)
+            write(log_line(PLAYER, graph.now_ns, f"Sleep {delay_ns} ns"))
+            source.wait(lambda: False, arguments.delay)
         player.play(source)
         if not arguments.loop or graph.ended:
             return

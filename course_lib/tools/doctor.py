@@ -99,6 +99,8 @@ def _reports(source: Source, link: Rows) -> dict[str, tuple[str, Rows]]:
         ("release", platform.release()),
         ("processor", platform.processor()),
     ]
+    # The first row of a link has its address.
+    protocol = "rmw_zenoh" if link and "dds/" not in str(link[0][1]) else "DDS"
     versions: Rows = [(name, f"latest=N/A, local={metadata.version(name)}") for name in _PACKAGES]
     return {
         "PLATFORM INFORMATION": ("platform", system),
@@ -109,7 +111,7 @@ def _reports(source: Source, link: Rows) -> dict[str, tuple[str, Rows]]:
         ),
         "RMW MIDDLEWARE": (
             "middleware",
-            [("middleware name", "rmw_zenoh (course_lib)" if link else "course_lib")],
+            [("middleware name", f"{protocol} (course_lib)" if link else "course_lib")],
         ),
         "TOPIC LIST": ("topic", _topics(source)),
         "QOS COMPATIBILITY LIST": ("middleware", _compatibility(source)),

@@ -74,13 +74,27 @@ def test_events_of_services_are_listed_as_services(tmp_path: Path) -> None:
             for stamp_ns in range(count):
                 writer.write(one, stamp_ns, cdr)
     lines = bag_info(tmp_path / "bag", digest=False).splitlines()
-    assert lines[-4:] == [
+    assert lines[-5:] == [
         "Messages:          1",
         "Topic information: Topic: /b | Type: std_msgs/msg/String | Count: 1 | Serialization Format: cdr",
         "Service:           1",
         "Service information: Service: /a | Type: example_interfaces/srv/AddTwoInts | Event "
         "Count: 2 | Serialization Format: cdr",
+        "",
     ]
+
+
+def test_verbose_info_counts_requests_and_responses_of_services(tmp_path: Path) -> None:
+    event = message_class("service_msgs/msg/ServiceEventInfo")
+    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        kind = "example_interfaces/srv/AddTwoInts_Event"
+        topic = writer.add_connection("/a/_service_event", kind, msgdef="", rihs01="RIHS01_" + "0" * 64)
+        # The client and the server report both calls, but the second one got no response.
+        for event_type, number in ((0, 1), (1, 1), (2, 1), (3, 1), (0, 2), (1, 2)):
+            info = event(event_type=event_type, client_gid=[7] * 16, sequence_number=number)
+            writer.write(topic, 5, serialize(info))
+    line = bag_info(tmp_path / "bag", digest=False, verbose=True).splitlines()[-2]
+    assert line.endswith("AddTwoInts | Request Count: 2 | Response Count: 1 | Serialization Format: cdr")
 
 
 def test_path_that_is_not_a_bag_is_rejected(tmp_path: Path) -> None:

@@ -181,7 +181,7 @@ def test_metadata_count_the_messages_and_print_like_bag_info(bag: Path) -> None:
     assert (about.message_count, about.duration.nanoseconds, about.starting_time.nanoseconds) == (10, 9, 100)
     counts = {one.topic_metadata.name: one.message_count for one in about.topics_with_message_count}
     assert counts == {"/a": 5, "/b": 5, "/silent": 0}
-    assert repr(about) == bag_info(bag, digest=False)
+    assert f"{about!r}\n" == bag_info(bag, digest=False)
     assert about == reader_of(bag).get_metadata()
 
 

@@ -138,6 +138,7 @@ def test_nodes_and_topics_of_the_real_rclpy_are_listed(robot: RealRobot) -> None
     assert "Node namespace: /lab" in info
     (gid,) = re.findall(r"^GID: (.+)$", info, re.MULTILINE)
     assert robot.line("scan") == f"scan {gid}"
+    assert "middleware name    : DDS (course_lib)\n" in robot.ros2("doctor", "--report")
 
 
 def test_messages_of_the_real_rclpy_arrive(robot: RealRobot) -> None:

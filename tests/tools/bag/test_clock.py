@@ -126,4 +126,12 @@ def test_recording_in_sim_time_has_the_stamps_of_the_clock(bag: Path, graph: Gra
         ("/words", 6),
         ("/clock", 7),
     ]
-    assert "use_sim_time set, waiting for /clock before starting recording..." in output
+    lines = [line.partition("]: ")[2] for line in output.splitlines()]
+    assert lines[:3] == [
+        "Listening for topics...",
+        "Recording...",
+        "use_sim_time set, waiting for /clock before starting recording...",
+    ]
+    found = lines.index("Sim time /clock found, starting recording.")
+    assert {line for line in lines[:found] if "Subscribed" in line} == set()
+    assert "Subscribed to topic '/words'" in lines[found:]

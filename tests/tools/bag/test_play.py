@@ -52,6 +52,10 @@ def test_bag_is_played_in_order_and_at_its_rate(bag: Path, run: Run, received_me
     assert output == f"{at}Set rate to 1\n{at}Playback until timestamp: -1\n"
 
 
+def test_delay_is_logged_before_the_messages(bag: Path, run: Run) -> None:
+    assert run("play five -d 2").splitlines()[-1].endswith("[rosbag2_player]: Sleep 2000000000 ns")
+
+
 @pytest.mark.parametrize(
     ("options", "played", "first"),
     [

@@ -32,6 +32,16 @@ def test_selected_topics_are_recorded_with_the_output_of_rosbag2(talker: Node, r
     )
 
 
+def test_discovery_stops_when_all_requested_topics_are_subscribed(talker: Node, run: Run) -> None:
+    text = run("record /chatter /camera/image -o my_bag")
+    lines = [line.partition("]: ")[2] for line in text.splitlines()]
+    assert lines[3:] == [
+        "Recording...",
+        "All requested topics are subscribed. Stopping discovery...",
+        "Recording stopped",
+    ]
+
+
 @pytest.mark.parametrize(
     ("options", "topics"),
     [

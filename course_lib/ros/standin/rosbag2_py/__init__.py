@@ -150,7 +150,8 @@ class BagMetadata:
     text: Callable[[], str] = field(default=str, compare=False)
 
     def __repr__(self) -> str:
-        return self.text()
+        # Whoever prints it adds the last line break.
+        return self.text().removesuffix("\n")
 
 
 class _NotOffered:
