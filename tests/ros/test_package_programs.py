@@ -51,6 +51,9 @@ FILES = {
     "my_robot/my_robot/__init__.py": "",
     "my_robot/my_robot/helpers.py": "def name():\n    return 'my robot'\n",
     "my_robot/my_robot/relative.py": "from .helpers import name\nprint('relative to', name())\n",
+    "my_robot/my_robot/my_robot.py": (
+        "from my_robot.helpers import name\nfrom .helpers import name as same\nprint(name(), same())\n"
+    ),
     "my_robot/my_robot/talker.py": TALKER + "\nif __name__ == '__main__':\n    main()\n",
     "other_robot/other_robot/__init__.py": "",
     "other_robot/other_robot/units.py": "DEGREES = 57\n",
@@ -88,6 +91,7 @@ def run_program(program: Path, capsys: pytest.CaptureFixture[str], *args: str) -
         ("my_robot/my_robot/talker.py", 0, "my robot 57 2.0 3.0 m ['word']\n"),
         ("my_robot/scripts/hello.py", 0, "script of my robot\n"),
         ("my_robot/my_robot/relative.py", 0, "relative to my robot\n"),
+        ("my_robot/my_robot/my_robot.py", 0, "my robot my robot\n"),
     ],
 )
 def test_program_in_a_package_finds_its_workspace(

@@ -153,7 +153,10 @@ class Program(Process):
         sys.path.insert(1, str(self.file.resolve().parent))
         source(self.file)
         sys.path += [path for path in python_path(self.file) if path not in sys.path]
-        module.__package__ = python_package(self.file)
+        if package := python_package(self.file):
+            module.__package__ = package
+            # The file may have the name of its package: an import of that name means the package.
+            sys.path.insert(1, str(self.file.resolve().parents[package.count(".") + 1]))
         exec(self._code, module.__dict__)
         if self._only_defines_main:
             sys.exit(module.__dict__["main"]())
