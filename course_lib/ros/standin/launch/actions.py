@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Coroutine, Iterable, Mapping, MutableMapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from launch.conditions import as_bool
 from launch.entities import (
     Action,
     BaseEventHandler,
+    DataAction,
     Entities,
     Event,
     LaunchContext,
@@ -81,82 +83,81 @@ class DeclareLaunchArgument(Action):
             )
 
 
-class SetLaunchConfiguration(Action):
+@dataclass(eq=False, repr=False)
+class SetLaunchConfiguration(DataAction):
     """Sets a launch configuration."""
 
-    def __init__(self, name: Some, value: Some, **options: Any) -> None:
-        def do(context: LaunchContext) -> None:
-            context.launch_configurations[text_of(context, name)] = text_of(context, value)
+    name: Some
+    value: Some
 
-        super().__init__(do, **options)
+    def execute(self, context: LaunchContext) -> None:
+        """Set the configuration for all following entities."""
+        context.launch_configurations[text_of(context, self.name)] = text_of(context, self.value)
 
 
-class UnsetLaunchConfiguration(Action):
+@dataclass(eq=False, repr=False)
+class UnsetLaunchConfiguration(DataAction):
     """Removes a launch configuration."""
 
-    def __init__(self, name: Some, **options: Any) -> None:
-        def do(context: LaunchContext) -> None:
-            context.launch_configurations.pop(text_of(context, name), None)
+    name: Some
 
-        super().__init__(do, **options)
+    def execute(self, context: LaunchContext) -> None:
+        """Remove the configuration if it is set."""
+        context.launch_configurations.pop(text_of(context, self.name), None)
 
 
-class ResetLaunchConfigurations(Action):
+@dataclass(eq=False, repr=False)
+class ResetLaunchConfigurations(DataAction):
     """Removes all launch configurations except the given ones."""
 
-    def __init__(
-        self,
-        launch_configurations: Mapping[Any, Some] | None = None,
-        **options: Any,
-    ) -> None:
-        pairs = (launch_configurations or {}).items()
+    launch_configurations: Mapping[Any, Some] | None = None
 
-        def do(context: LaunchContext) -> None:
-            kept = {text_of(context, name): text_of(context, value) for name, value in pairs}
-            _replace(context.launch_configurations, kept)
-
-        super().__init__(do, **options)
+    def execute(self, context: LaunchContext) -> None:
+        """Replace the launch configurations by the given ones."""
+        pairs = (self.launch_configurations or {}).items()
+        kept = {text_of(context, name): text_of(context, value) for name, value in pairs}
+        _replace(context.launch_configurations, kept)
 
 
-class SetEnvironmentVariable(Action):
+@dataclass(eq=False, repr=False)
+class SetEnvironmentVariable(DataAction):
     """Sets an environment variable."""
 
-    def __init__(self, name: Some, value: Some, **options: Any) -> None:
-        def do(context: LaunchContext) -> None:
-            os.environ[text_of(context, name)] = text_of(context, value)
+    name: Some
+    value: Some
 
-        super().__init__(do, **options)
+    def execute(self, context: LaunchContext) -> None:
+        """Set the variable for all following processes."""
+        os.environ[text_of(context, self.name)] = text_of(context, self.value)
 
 
-class UnsetEnvironmentVariable(Action):
+@dataclass(eq=False, repr=False)
+class UnsetEnvironmentVariable(DataAction):
     """Removes an environment variable."""
 
-    def __init__(self, name: Some, **options: Any) -> None:
-        def do(context: LaunchContext) -> None:
-            os.environ.pop(text_of(context, name), None)
+    name: Some
 
-        super().__init__(do, **options)
+    def execute(self, context: LaunchContext) -> None:
+        """Remove the variable if it is set."""
+        os.environ.pop(text_of(context, self.name), None)
 
 
-class AppendEnvironmentVariable(Action):
+@dataclass(eq=False, repr=False)
+class AppendEnvironmentVariable(DataAction):
     """Sets an environment variable or appends to its value; with `prepend`, inserts before it."""
 
-    def __init__(
-        self,
-        name: Some,
-        value: Some,
-        prepend: bool | Some = False,
-        separator: Some = os.pathsep,
-        **options: Any,
-    ) -> None:
-        def do(context: LaunchContext) -> None:
-            key, parts = text_of(context, name), [text_of(context, value)]
-            before = as_bool(context, prepend)
-            if key in os.environ:
-                parts.insert(1 if before else 0, os.environ[key])
-            os.environ[key] = text_of(context, separator).join(parts)
+    name: Some
+    value: Some
+    prepend: bool | Some = False
+    separator: Some = os.pathsep
 
-        super().__init__(do, **options)
+    def execute(self, context: LaunchContext) -> None:
+        """Join the value to the one of the environment."""
+        key, parts = text_of(context, self.name), [text_of(context, self.value)]
+        before = as_bool(context, self.prepend)
+        if key in os.environ:
+            parts.insert(1 if before else 0, os.environ[key])
+        os.environ[key] = text_of(context, self.separator).join(parts)
 
 
 class ResetEnvironment(Action):
@@ -370,29 +371,24 @@ class OpaqueFunction(Action):
         super().__init__(lambda context: function(context, *(args or ()), **(kwargs or {})), **options)
 
 
-class OpaqueCoroutine(Action):
+@dataclass(eq=False, repr=False, kw_only=True)
+class OpaqueCoroutine(DataAction):
     """Runs a coroutine concurrently with the processes.
 
     It receives the context unless `ignore_context`.
     """
 
     continues = True
+    coroutine: Callable[..., Coroutine[Any, Any, None]]
+    args: Iterable[Any] | None = None
+    kwargs: Mapping[str, Any] | None = None
+    ignore_context: bool = False
 
-    def __init__(
-        self,
-        *,
-        coroutine: Callable[..., Coroutine[Any, Any, None]],
-        args: Iterable[Any] | None = None,
-        kwargs: Mapping[str, Any] | None = None,
-        ignore_context: bool = False,
-        **options: Any,
-    ) -> None:
-        def do(context: LaunchContext) -> None:
-            first = () if ignore_context else (context,)
-            start = partial(coroutine, *first, *(args or ()), **(kwargs or {}))
-            context.runner.start_function(self, "coroutine", lambda: asyncio.run(start()), ())
-
-        super().__init__(do, **options)
+    def execute(self, context: LaunchContext) -> None:
+        """Start the coroutine in an event loop of its own."""
+        first = () if self.ignore_context else (context,)
+        start = partial(self.coroutine, *first, *(self.args or ()), **(self.kwargs or {}))
+        context.runner.start_function(self, "coroutine", lambda: asyncio.run(start()), ())
 
 
 class GroupAction(Action):
@@ -531,18 +527,19 @@ class EmitEvent(Action):
         super().__init__(lambda context: context.runner.emit(event), **options)
 
 
-class Shutdown(Action):
+@dataclass(eq=False, repr=False, kw_only=True)
+class Shutdown(DataAction):
     """Shuts the launch down. A Node accepts it as `on_exit`."""
 
-    def __init__(self, *, reason: Some = "reason not given", **options: Any) -> None:
-        def do(context: LaunchContext) -> None:
-            event = getattr(context.locals, "event", None)
-            if isinstance(event, ProcessExited) and event.pid:
-                text = f"process[{event.process_name}] was required: shutting down launched system"
-                context.runner.log("INFO", "launch", text)
-            context.runner.emit(ShutdownEvent(reason=text_of(context, reason)))
+    reason: Some = "reason not given"
 
-        super().__init__(do, **options)
+    def execute(self, context: LaunchContext) -> None:
+        """Emit the event of a shutdown."""
+        event = getattr(context.locals, "event", None)
+        if isinstance(event, ProcessExited) and event.pid:
+            text = f"process[{event.process_name}] was required: shutting down launched system"
+            context.runner.log("INFO", "launch", text)
+        context.runner.emit(ShutdownEvent(reason=text_of(context, self.reason)))
 
 
 def find_declarations(entities: Entities, context: LaunchContext) -> list[DeclareLaunchArgument]:

@@ -3,7 +3,7 @@
 import os
 import sys
 from collections.abc import Callable, Iterable, MutableMapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import FrameType, SimpleNamespace
 from typing import Any, Protocol, TypeAlias, Union
@@ -217,6 +217,16 @@ class Action(LaunchDescriptionEntity):
         return None if self._do is None else self._do(context)
 
 
+@dataclass(eq=False, repr=False)
+class DataAction(Action):
+    """An action with its arguments as fields. A subclass has the method `execute`."""
+
+    condition: Condition | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__init__(condition=self.condition)
+
+
 def _location_in_launch_file() -> tuple[str, int] | None:
     """Return the innermost call site in a launch file, or None.
 
@@ -225,7 +235,8 @@ def _location_in_launch_file() -> tuple[str, int] | None:
     frame: FrameType | None = sys._getframe(2)
     while frame is not None:
         name = frame.f_code.co_filename
-        if name.startswith(SHIPPED) or is_student_file(name):
+        # Constructors of dataclasses have this name in place of a file.
+        if name != "<string>" and (name.startswith(SHIPPED) or is_student_file(name)):
             return name, frame.f_lineno
         frame = frame.f_back
     return None

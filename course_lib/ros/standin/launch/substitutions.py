@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Sequence
+from dataclasses import KW_ONLY, dataclass
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
@@ -40,21 +41,24 @@ class TextSubstitution(Substitution):
         self.text = text
 
 
+@dataclass(eq=False, repr=False)
 class LaunchConfiguration(Substitution):
     """The value of a launch configuration, or a default."""
 
-    def __init__(self, variable_name: Some, *, default: Any = None) -> None:
-        def make(context: LaunchContext) -> str:
-            name = text_of(context, variable_name)
-            value = context.launch_configurations.get(name, default)
-            if value is None:
-                raise SubstitutionFailure(
-                    f"launch configuration '{name}' does not exist: is there a"
-                    f" DeclareLaunchArgument('{name}') before this line?"
-                )
-            return text_of(context, value if isinstance(value, list | tuple | Substitution) else str(value))
+    variable_name: Some
+    _: KW_ONLY
+    default: Any = None
 
-        super().__init__(make)
+    def perform(self, context: LaunchContext) -> str:
+        """Return the value of the configuration, or the default."""
+        name = text_of(context, self.variable_name)
+        value = context.launch_configurations.get(name, self.default)
+        if value is None:
+            raise SubstitutionFailure(
+                f"launch configuration '{name}' does not exist: is there a"
+                f" DeclareLaunchArgument('{name}') before this line?"
+            )
+        return text_of(context, value if isinstance(value, list | tuple | Substitution) else str(value))
 
 
 class PathJoinSubstitution(Substitution):
@@ -77,102 +81,116 @@ class PathSubstitution(PathJoinSubstitution):
         return PathSubstitution([*self._parts, part])
 
 
+@dataclass(eq=False, repr=False)
 class PythonExpression(Substitution):
     """The value of a Python expression.
 
     The names of `math` can be used with and without their module.
     """
 
-    def __init__(self, expression: Some, python_modules: Sequence[str] = ("math",)) -> None:
-        names = vars(math) | {name: __import__(name) for name in python_modules}
+    expression: Some
+    python_modules: Sequence[str] = ("math",)
 
-        def make(context: LaunchContext) -> str:
-            text = text_of(context, expression)
-            try:
-                return str(eval(text, {}, names))
-            except Exception as error:
-                # The error has no line of a file, so that the line of the action is reported.
-                raise SubstitutionFailure(f"{type(error).__name__}: {error}, in `{text}`") from None
+    def perform(self, context: LaunchContext) -> str:
+        """Evaluate the expression."""
+        text = text_of(context, self.expression)
+        names = vars(math) | {name: __import__(name) for name in self.python_modules}
+        try:
+            return str(eval(text, {}, names))
+        except Exception as error:
+            # The error has no line of a file, so that the line of the action is reported.
+            raise SubstitutionFailure(f"{type(error).__name__}: {error}, in `{text}`") from None
 
-        super().__init__(make)
 
-
+@dataclass(eq=False, repr=False)
 class EnvironmentVariable(Substitution):
     """The value of an environment variable, or a default."""
 
-    def __init__(self, name: Some, *, default_value: Some | None = None) -> None:
-        def make(context: LaunchContext) -> str:
-            key = text_of(context, name)
-            if key not in os.environ and default_value is None:
-                raise SubstitutionFailure(f"environment variable '{key}' does not exist")
-            return os.environ[key] if key in os.environ else text_of(context, default_value or "")
+    name: Some
+    _: KW_ONLY
+    default_value: Some | None = None
 
-        super().__init__(make)
+    def perform(self, context: LaunchContext) -> str:
+        """Return the value of the variable, or the default."""
+        key = text_of(context, self.name)
+        if key not in os.environ and self.default_value is None:
+            raise SubstitutionFailure(f"environment variable '{key}' does not exist")
+        return os.environ[key] if key in os.environ else text_of(context, self.default_value or "")
 
 
+@dataclass(eq=False, repr=False)
 class FindExecutable(Substitution):
     """The path of a program on the PATH."""
 
-    def __init__(self, *, name: Some) -> None:
-        def make(context: LaunchContext) -> str:
-            program = text_of(context, name)
-            location = shutil.which(program) or (program if program in _PROVIDED else None)
-            if location is None:
-                raise SubstitutionFailure(f"executable '{program}' not found on the PATH")
-            return location
+    _: KW_ONLY
+    name: Some
 
-        super().__init__(make)
+    def perform(self, context: LaunchContext) -> str:
+        """Return the path of the program."""
+        program = text_of(context, self.name)
+        location = shutil.which(program) or (program if program in _PROVIDED else None)
+        if location is None:
+            raise SubstitutionFailure(f"executable '{program}' not found on the PATH")
+        return location
 
 
+@dataclass(eq=False, repr=False)
 class Command(Substitution):
     """The output of a program. xacro runs in this process, where it finds the kit's packages."""
 
-    def __init__(self, command: Some, *, on_stderr: Some = "fail") -> None:
-        def make(context: LaunchContext) -> str:
-            arguments, on_stderr_text = shlex.split(text_of(context, command)), text_of(context, on_stderr)
-            if on_stderr_text not in _ON_STDERR:
-                raise SubstitutionFailure(
-                    "expected 'on_stderr' to be one of: 'fail', 'ignore', 'warn' or 'capture'"
-                )
-            result = _run_command(arguments)
-            outcome = "failed" if result.code else "showed stderr output"
-            text = f"executed command {outcome}. Command: {shlex.join(arguments)}"
-            text += f"\nCaptured stderr output: {result.errors}"
-            if "expected exactly one input file" in result.errors and len(arguments) > 2:
-                text += _SPLIT_PATH
-            if result.code or (result.errors and on_stderr_text == "fail"):
-                raise SubstitutionFailure(text)
-            if result.errors and on_stderr_text == "warn":
-                get_logger().warning(text)
-            return result.output + (result.errors if on_stderr_text == "capture" else "")
+    command: Some
+    _: KW_ONLY
+    on_stderr: Some = "fail"
 
-        super().__init__(make)
+    def perform(self, context: LaunchContext) -> str:
+        """Run the program and return its output."""
+        arguments, on_stderr_text = (
+            shlex.split(text_of(context, self.command)),
+            text_of(context, self.on_stderr),
+        )
+        if on_stderr_text not in _ON_STDERR:
+            raise SubstitutionFailure(
+                "expected 'on_stderr' to be one of: 'fail', 'ignore', 'warn' or 'capture'"
+            )
+        result = _run_command(arguments)
+        outcome = "failed" if result.code else "showed stderr output"
+        text = f"executed command {outcome}. Command: {shlex.join(arguments)}"
+        text += f"\nCaptured stderr output: {result.errors}"
+        if "expected exactly one input file" in result.errors and len(arguments) > 2:
+            text += _SPLIT_PATH
+        if result.code or (result.errors and on_stderr_text == "fail"):
+            raise SubstitutionFailure(text)
+        if result.errors and on_stderr_text == "warn":
+            get_logger().warning(text)
+        return result.output + (result.errors if on_stderr_text == "capture" else "")
 
 
+@dataclass(eq=False, repr=False)
 class FileContent(Substitution):
     """The content of a text file."""
 
-    def __init__(self, path: Some) -> None:
-        def make(context: LaunchContext) -> str:
-            file = Path(text_of(context, path))
-            if not file.is_file():
-                raise SubstitutionFailure(f"File not found: {file}")
-            return read_text(file)
+    path: Some
 
-        super().__init__(make)
+    def perform(self, context: LaunchContext) -> str:
+        """Read the file."""
+        file = Path(text_of(context, self.path))
+        if not file.is_file():
+            raise SubstitutionFailure(f"File not found: {file}")
+        return read_text(file)
 
 
+@dataclass(eq=False, repr=False)
 class AnonName(Substitution):
     """A unique name. Within a launch it is the same for equal values of `name`."""
 
-    def __init__(self, name: Some) -> None:
-        def make(context: LaunchContext) -> str:
-            base = text_of(context, name)
-            raw_name = f"{base}_{socket.gethostname()}_{os.getpid()}_{random.randint(0, sys.maxsize)}"
-            unique = re.sub("[.:-]", "_", raw_name)
-            return str(context.launch_configurations.setdefault(f"anon{base}", unique))
+    name: Some
 
-        super().__init__(make)
+    def perform(self, context: LaunchContext) -> str:
+        """Return the name, which is created when it is used first."""
+        base = text_of(context, self.name)
+        raw_name = f"{base}_{socket.gethostname()}_{os.getpid()}_{random.randint(0, sys.maxsize)}"
+        unique = re.sub("[.:-]", "_", raw_name)
+        return str(context.launch_configurations.setdefault(f"anon{base}", unique))
 
 
 class LaunchLogDir(Substitution):

@@ -21,7 +21,7 @@ from launch.actions import (
     warn_about_ignored_options,
 )
 from launch.conditions import as_bool
-from launch.entities import Action, BaseEventHandler, Condition, LaunchContext, Reaction, text_of
+from launch.entities import Action, BaseEventHandler, Condition, DataAction, LaunchContext, Reaction, text_of
 from launch.entities import SomeSubstitutionsType as Some
 from launch.events import ProcessExited
 from lifecycle_msgs.msg import Transition, TransitionEvent
@@ -38,68 +38,78 @@ from launch_ros.parameter_descriptions import ParameterFile, check_values, evalu
 _NAMESPACE, PARAMETERS, _REMAPS = "ros_namespace", "global_params", "ros_remaps"
 
 
-class PushRosNamespace(Action):
+@dataclass(eq=False, repr=False)
+class PushRosNamespace(DataAction):
     """Adds a namespace to the following nodes of the group."""
 
-    def __init__(self, namespace: Some, **options: Any) -> None:
-        def do(context: LaunchContext) -> None:
-            settings = context.launch_configurations
-            settings[_NAMESPACE] = _join_namespaces(settings.get(_NAMESPACE, ""), text_of(context, namespace))
+    namespace: Some
 
-        super().__init__(do, **options)
+    def execute(self, context: LaunchContext) -> None:
+        """Join the namespace to the one of the group."""
+        settings = context.launch_configurations
+        settings[_NAMESPACE] = _join_namespaces(
+            settings.get(_NAMESPACE, ""), text_of(context, self.namespace)
+        )
 
 
 PushROSNamespace = PushRosNamespace
 
 
-class SetParameter(Action):
+@dataclass(eq=False, repr=False)
+class SetParameter(DataAction):
     """Sets a parameter of all following nodes."""
 
-    def __init__(self, name: Some, value: Any, **options: Any) -> None:
-        def do(context: LaunchContext) -> None:
-            _add(context, PARAMETERS, {text_of(context, name): evaluate_value(context, value)})
+    name: Some
+    value: Any
 
-        super().__init__(do, **options)
+    def execute(self, context: LaunchContext) -> None:
+        """Add the parameter to those of the group."""
+        _add(context, PARAMETERS, {text_of(context, self.name): evaluate_value(context, self.value)})
 
 
-class SetParametersFromFile(Action):
+@dataclass(eq=False, repr=False)
+class SetParametersFromFile(DataAction):
     """Sets the parameters of all following nodes from a file."""
 
-    def __init__(self, filename: Some, **options: Any) -> None:
-        def do(context: LaunchContext) -> None:
-            _add(context, PARAMETERS, ParameterFile(text_of(context, filename)))
+    filename: Some
 
-        super().__init__(do, **options)
+    def execute(self, context: LaunchContext) -> None:
+        """Add the file to the parameters of the group."""
+        _add(context, PARAMETERS, ParameterFile(text_of(context, self.filename)))
 
 
-class SetUseSimTime(Action):
+@dataclass(eq=False, repr=False)
+class SetUseSimTime(DataAction):
     """Sets the parameter `use_sim_time` of all following nodes."""
 
-    def __init__(self, value: bool | Some, **options: Any) -> None:
-        def do(context: LaunchContext) -> None:
-            _add(context, PARAMETERS, {"use_sim_time": as_bool(context, value)})
+    value: bool | Some
 
-        super().__init__(do, **options)
+    def execute(self, context: LaunchContext) -> None:
+        """Add the parameter to those of the group."""
+        _add(context, PARAMETERS, {"use_sim_time": as_bool(context, self.value)})
 
 
-class SetRemap(Action):
+@dataclass(eq=False, repr=False)
+class SetRemap(DataAction):
     """Remaps a topic of all following nodes."""
 
-    def __init__(self, src: Some, dst: Some, **options: Any) -> None:
-        def do(context: LaunchContext) -> None:
-            _add(context, _REMAPS, (text_of(context, src), text_of(context, dst)))
+    src: Some
+    dst: Some
 
-        super().__init__(do, **options)
+    def execute(self, context: LaunchContext) -> None:
+        """Add the rule to those of the group."""
+        _add(context, _REMAPS, (text_of(context, self.src), text_of(context, self.dst)))
 
 
-class SetROSLogDir(Action):
+@dataclass(eq=False, repr=False)
+class SetROSLogDir(DataAction):
     """Sets the log folder in the environment of all following processes."""
 
-    def __init__(self, new_log_dir: Some, **options: Any) -> None:
-        def do(context: LaunchContext) -> None:
-            os.environ["ROS_LOG_DIR"] = text_of(context, new_log_dir)
+    new_log_dir: Some
 
-        super().__init__(do, **options)
+    def execute(self, context: LaunchContext) -> None:
+        """Set the variable ROS_LOG_DIR."""
+        os.environ["ROS_LOG_DIR"] = text_of(context, self.new_log_dir)
 
 
 def _add(context: LaunchContext, setting: str, entry: Any) -> None:

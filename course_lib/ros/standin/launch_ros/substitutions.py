@@ -1,6 +1,7 @@
 """Substitutions for packages and parameters."""
 
 from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -52,17 +53,22 @@ class ExecutableInPackage(FindPackagePrefix):
         return str(Path(prefix) / "lib" / package / name)
 
 
+@dataclass(eq=False, repr=False)
 class Parameter(Substitution):
     """The value of a parameter that SetParameter has set, or a default."""
 
-    def __init__(self, name: SomeSubstitutionsType, *, default: Any = None) -> None:
-        def make(context: LaunchContext) -> str:
-            parameter_name = text_of(context, name)
-            for entry in context.launch_configurations.get(PARAMETERS, ()):
-                if isinstance(entry, Mapping) and parameter_name in entry:
-                    return str(entry[parameter_name])
-            if default is None:
-                raise SubstitutionFailure(f"parameter '{parameter_name}' not found")
-            return text_of(context, default if isinstance(default, list | Substitution) else str(default))
+    name: SomeSubstitutionsType
+    _: KW_ONLY
+    default: Any = None
 
-        super().__init__(make)
+    def perform(self, context: LaunchContext) -> str:
+        """Return the value of the parameter, or the default."""
+        parameter_name = text_of(context, self.name)
+        for entry in context.launch_configurations.get(PARAMETERS, ()):
+            if isinstance(entry, Mapping) and parameter_name in entry:
+                return str(entry[parameter_name])
+        if self.default is None:
+            raise SubstitutionFailure(f"parameter '{parameter_name}' not found")
+        return text_of(
+            context, self.default if isinstance(self.default, list | Substitution) else str(self.default)
+        )

@@ -5,6 +5,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -40,38 +41,38 @@ class ParseMultiRobotPose:
         return poses
 
 
+@dataclass(eq=False, repr=False)
 class LaunchConfigAsBool(Substitution):
     """A launch configuration as `True` or `False`; true, 1, yes, on and y count as true."""
 
-    def __init__(self, name: str) -> None:
-        def make(context: LaunchContext) -> str:
-            value = text_of(context, LaunchConfiguration(name))
-            return str(value.lower() in ("true", "1", "on", "yes", "y", "t"))
+    name: str
 
-        super().__init__(make)
+    def perform(self, context: LaunchContext) -> str:
+        """Convert the value of the configuration."""
+        value = text_of(context, LaunchConfiguration(self.name))
+        return str(value.lower() in ("true", "1", "on", "yes", "y", "t"))
 
 
+@dataclass(eq=False, repr=False)
 class ReplaceString(Substitution):
     """A copy of a file with replaced strings. If the condition is false, the file itself."""
 
-    def __init__(
-        self,
-        source_file: SomeSubstitutionsType,
-        replacements: Mapping[str, SomeSubstitutionsType],
-        condition: Condition | None = None,
-    ) -> None:
-        def make(context: LaunchContext) -> str:
-            source = text_of(context, source_file)
-            if condition is not None and not condition.evaluate(context):
-                return source
-            text = _read(source)
-            for old, new in replacements.items():
-                text = text.replace(old, text_of(context, new))
-            return _write_temporary(text, Path(source).suffix)
+    source_file: SomeSubstitutionsType
+    replacements: Mapping[str, SomeSubstitutionsType]
+    condition: Condition | None = None
 
-        super().__init__(make)
+    def perform(self, context: LaunchContext) -> str:
+        """Write the copy and return its path, or return the path of the file."""
+        source = text_of(context, self.source_file)
+        if self.condition is not None and not self.condition.evaluate(context):
+            return source
+        text = _read(source)
+        for old, new in self.replacements.items():
+            text = text.replace(old, text_of(context, new))
+        return _write_temporary(text, Path(source).suffix)
 
 
+@dataclass(eq=False, repr=False)
 class RewrittenYaml(Substitution):
     """A copy of a YAML file with replaced values.
 
@@ -85,31 +86,29 @@ class RewrittenYaml(Substitution):
         value_rewrites: Replacements for values that are strings.
     """
 
-    def __init__(
-        self,
-        source_file: SomeSubstitutionsType,
-        param_rewrites: Mapping[str, SomeSubstitutionsType],
-        root_key: SomeSubstitutionsType | None = None,
-        key_rewrites: Mapping[str, SomeSubstitutionsType] | None = None,
-        convert_types: bool = False,
-        value_rewrites: Mapping[str, SomeSubstitutionsType] | None = None,
-    ) -> None:
-        def make(context: LaunchContext) -> str:
-            data = yaml.safe_load(_read(text_of(context, source_file)))
-            values = {
-                key: _value(text_of(context, text), convert_types) for key, text in param_rewrites.items()
-            }
-            _rewrite(data, values)
-            rewrites = {key: text_of(context, text) for key, text in (value_rewrites or {}).items()}
-            for (inside, key), _ in list(_leaves(data, "")):
-                if isinstance(inside[key], str) and inside[key] in rewrites:
-                    inside[key] = _value(rewrites[inside[key]], convert_types)
-            names = {key: text_of(context, text) for key, text in (key_rewrites or {}).items()}
-            root = text_of(context, root_key or "")
-            renamed = _rename_keys(data, names)
-            return _write_temporary(yaml.dump({root: renamed} if root else renamed), "")
+    source_file: SomeSubstitutionsType
+    param_rewrites: Mapping[str, SomeSubstitutionsType]
+    root_key: SomeSubstitutionsType | None = None
+    key_rewrites: Mapping[str, SomeSubstitutionsType] | None = None
+    convert_types: bool = False
+    value_rewrites: Mapping[str, SomeSubstitutionsType] | None = None
 
-        super().__init__(make)
+    def perform(self, context: LaunchContext) -> str:
+        """Write the copy and return its path."""
+        data = yaml.safe_load(_read(text_of(context, self.source_file)))
+        values = {
+            key: _value(text_of(context, text), self.convert_types)
+            for key, text in self.param_rewrites.items()
+        }
+        _rewrite(data, values)
+        rewrites = {key: text_of(context, text) for key, text in (self.value_rewrites or {}).items()}
+        for (inside, key), _ in list(_leaves(data, "")):
+            if isinstance(inside[key], str) and inside[key] in rewrites:
+                inside[key] = _value(rewrites[inside[key]], self.convert_types)
+        names = {key: text_of(context, text) for key, text in (self.key_rewrites or {}).items()}
+        root = text_of(context, self.root_key or "")
+        renamed = _rename_keys(data, names)
+        return _write_temporary(yaml.dump({root: renamed} if root else renamed), "")
 
 
 def _read(source_file: str) -> str:
@@ -121,15 +120,17 @@ def _read(source_file: str) -> str:
     return read_text(Path(source_file))
 
 
+@dataclass(eq=False, repr=False)
 class HasNodeParams(Substitution):
     """`True` if a YAML file has parameters for a node, else `False`."""
 
-    def __init__(self, source_file: SomeSubstitutionsType, node_name: str) -> None:
-        def make(context: LaunchContext) -> str:
-            data = yaml.safe_load(_read(text_of(context, source_file)))
-            return str(node_name in data)
+    source_file: SomeSubstitutionsType
+    node_name: str
 
-        super().__init__(make)
+    def perform(self, context: LaunchContext) -> str:
+        """Look the node up in the file."""
+        data = yaml.safe_load(_read(text_of(context, self.source_file)))
+        return str(self.node_name in data)
 
 
 def _write_temporary(text: str, suffix: str) -> str:
