@@ -225,16 +225,34 @@ def mesh(marker: Any) -> MarkerDrawing:
     except CourseError:
         return rejected_drawing(f"Mesh resource marker [{label(marker)}] could not load [{uri}]")
     color, scale = rgba(marker.color), scale_of(marker)
-    colors = color
-    if marker.mesh_use_embedded_materials:
-        colors = loaded.colors.astype(float)
-        if color.any():
-            # RViz blends the mesh's own colors halfway towards the marker's color.
-            colors += (color - colors) * min(color[3], 0.5)
-            colors[..., 3] = color[3]
+    colors = _mesh_colors(marker, loaded) if marker.mesh_use_embedded_materials else color
     # Nonuniform scaling changes normals.
     normals = loaded.normals if scale.min() == scale.max() > 0 else None
     return MarkerDrawing({"mesh": Mesh(loaded.vertices * scale, loaded.faces, colors, normals)})
+
+
+def _is_stl(marker: Any) -> bool:
+    return marker.type == _MESH and marker.mesh_resource.lower().endswith(".stl")
+
+
+def _mesh_colors(marker: Any, loaded: Mesh) -> Floats:
+    """Return the colors of a mesh with its own materials, which the color of the marker tints.
+
+    RViz draws each material with the alpha of the marker, and the tint above it with half of its
+    strength at most. Without any color there is no tint, and the mesh is opaque.
+    """
+    tint, is_tinted = rgba(marker.color), rgba(marker.color).any()
+    alpha = tint[3] if is_tinted else 1.0
+    strength = min(alpha, 0.5) if is_tinted else 0.0
+    # STL has no materials, so only the tint is drawn: black without any color.
+    if _is_stl(marker):
+        return np.array([*tint[:3], 1.0 if alpha >= OPAQUE_FROM else strength])
+    opacity = 1 - (1 - alpha) * (1 - strength)
+    colors = loaded.colors.astype(float)
+    colors[..., :3] = (1 - strength) * alpha * colors[..., :3] + strength * tint[:3]
+    colors[..., :3] /= opacity or 1.0
+    colors[..., 3] = opacity
+    return colors
 
 
 def triangles(marker: Any) -> MarkerDrawing:
@@ -434,6 +452,10 @@ _RULES = (
     ),
     Rule(lambda m: m.type == _TEXT and not m.text, "text is empty: nothing is drawn."),
     Rule(lambda m: m.type == _MESH and not m.mesh_resource, "mesh_resource is empty: nothing is drawn."),
+    Rule(
+        lambda m: m.mesh_use_embedded_materials and _is_stl(m) and not rgba(m.color).any(),
+        "STL files have no materials, so RViz2 draws this mesh in color, which is black. Set color.",
+    ),
     Rule(
         lambda m: (
             m.type == _TRIANGLES and bool(m.texture_resource) and not m.texture_resource.startswith(_EMBEDDED)

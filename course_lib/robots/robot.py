@@ -596,8 +596,10 @@ def from_text(text: str, path: Path | None = None) -> Robot:
     return Robot(tree.name, text, path, kinematics, shapes)
 
 
-def _meshes(text: str) -> set[str]:
-    return {shape.uri for link in links_of(text) for shape in (*link.visuals, *link.collisions) if shape.uri}
+def _meshes(text: str) -> Iterable[str]:
+    """Return the addresses of all meshes, each once, in the order of the description."""
+    shapes = (shape for link in links_of(text) for shape in (*link.visuals, *link.collisions))
+    return dict.fromkeys(shape.uri for shape in shapes if shape.uri)
 
 
 def _check_meshes(robot: Robot) -> Robot:

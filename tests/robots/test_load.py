@@ -93,9 +93,18 @@ def test_binary_file_is_rejected(tmp_path: Path) -> None:
         load_robot(path)
 
 
+MESH = '<mesh filename="package://a/{}.stl"/>'
+
+
 def test_missing_mesh_is_reported() -> None:
     with pytest.raises(CourseError, match=r"The file package://my_robot/leg\.stl does not exist"):
         load_robot(with_mesh("package://my_robot/leg.stl"))
+
+
+def test_first_of_several_missing_meshes_is_reported() -> None:
+    visuals = "".join(f"<visual><geometry>{MESH.format(n)}</geometry></visual>" for n in range(9))
+    with pytest.raises(CourseError, match=r"The file package://a/0\.stl does not exist"):
+        load_robot(f'<robot name="r"><link name="base">{visuals}</link></robot>')
 
 
 def test_unreadable_mesh_is_reported(tmp_path: Path) -> None:

@@ -3,11 +3,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from course_lib.displays.markers import MarkerDrawing, mesh
+from course_lib.displays.markers import MarkerDrawing, hints, mesh
 from course_lib.viewer.drawables import Mesh
 from tests.displays.bench import marker
 
@@ -49,6 +50,42 @@ def test_mesh_with_embedded_materials_is_tinted_only_on_request(obj: str, tint: 
     red, green, _, alpha = np.broadcast_to(part.colors, (4, 4))[0]
     assert alpha == 1.0
     assert (red > green) == tint
+
+
+@pytest.mark.parametrize(
+    ("alpha", "expected"),
+    # The material is (0.7, 0.7, 0.7).
+    [
+        (1.0, (0.85, 0.35, 0.35, 1.0)),
+        (0.5, (0.675 / 0.75, 0.175 / 0.75, 0.175 / 0.75, 0.75)),
+        (0.0, (0, 0, 0, 0)),
+    ],
+)
+def test_tint_of_embedded_materials_has_half_of_their_strength_at_most(
+    obj: str, alpha: float, expected: tuple[float, ...]
+) -> None:
+    color = ColorRGBA(r=1.0, a=alpha)
+    part = draw_mesh(obj, mesh_use_embedded_materials=True, color=color)
+    np.testing.assert_allclose(np.broadcast_to(part.colors, (4, 4))[0], expected, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("rgba", "expected"),
+    [((1, 0, 0, 1), (1, 0, 0, 1)), ((0, 1, 0, 0.8), (0, 1, 0, 0.5)), ((0, 0, 0, 0), (0, 0, 0, 1))],
+)
+def test_stl_with_embedded_materials_has_only_the_color_of_the_marker(
+    tmp_path: Path, rgba: tuple[float, ...], expected: tuple[float, ...]
+) -> None:
+    path = tmp_path / "leg.STL"
+    trimesh.creation.box().export(path, file_type="stl")
+    color = ColorRGBA(**dict(zip("rgba", map(float, rgba), strict=True)))
+    message = marker(
+        Marker.MESH_RESOURCE, mesh_resource=path.as_uri(), mesh_use_embedded_materials=True, color=color
+    )
+    part = mesh(message).drawables["mesh"]
+    assert isinstance(part, Mesh)
+    np.testing.assert_allclose(part.colors, expected, atol=1e-6)
+    assert any("STL files have no materials" in hint for hint in hints(message)) == (not any(rgba))
 
 
 @pytest.mark.parametrize(
