@@ -232,7 +232,7 @@ def mesh(marker: Any) -> MarkerDrawing:
 
 
 def _is_stl(marker: Any) -> bool:
-    return marker.type == _MESH and marker.mesh_resource.lower().endswith(".stl")
+    return bool(marker.type == _MESH and marker.mesh_resource.lower().endswith(".stl"))
 
 
 def _mesh_colors(marker: Any, loaded: Mesh) -> Floats:

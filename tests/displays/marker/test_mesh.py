@@ -78,7 +78,8 @@ def test_stl_with_embedded_materials_has_only_the_color_of_the_marker(
 ) -> None:
     path = tmp_path / "leg.STL"
     trimesh.creation.box().export(path, file_type="stl")
-    color = ColorRGBA(**dict(zip("rgba", map(float, rgba), strict=True)))
+    red, green, blue, alpha = map(float, rgba)
+    color = ColorRGBA(r=red, g=green, b=blue, a=alpha)
     message = marker(
         Marker.MESH_RESOURCE, mesh_resource=path.as_uri(), mesh_use_embedded_materials=True, color=color
     )
