@@ -186,7 +186,7 @@ def _intensity(cloud: Cloud, holder: PropertyHolder) -> tuple[Float32s, Bounds]:
     values = cloud.channels[name].astype(np.float32)
     bounds = {}
     if holder["Autocompute Intensity Bounds"]:
-        low, high = _bounds(values, 999999.0)
+        low, high = np.clip(_bounds(values, 999999.0), -999999.0, 999999.0).tolist()
         bounds = {"Min Intensity": low, "Max Intensity": high}
     else:
         low, high = holder["Min Intensity"], holder["Max Intensity"]
@@ -227,10 +227,9 @@ def _rgb8(cloud: Cloud, holder: PropertyHolder) -> tuple[Reals, Bounds]:
 
 
 def _bounds(values: Float32s, limit: float) -> tuple[float, float]:
-    """Return the minimum and maximum, starting from a limit and clipped to it, as RViz does."""
+    """Return the minimum and maximum, which RViz starts from a limit."""
     numbers = values[~np.isnan(values)]
-    low, high = min(numbers.min(initial=limit), limit), max(numbers.max(initial=-limit), -limit)
-    return max(float(low), -limit), min(float(high), limit)
+    return float(numbers.min(initial=limit)), float(numbers.max(initial=-limit))
 
 
 TRANSFORMERS: Mapping[str, Transformer] = {

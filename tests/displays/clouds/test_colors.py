@@ -71,6 +71,21 @@ def test_rainbow_can_be_inverted_or_two_colors_and_have_bounds() -> None:
     assert two[:, :3].tolist() == [[0, 0, 1], [0, 0, 1], [1, 0, 0], [1, 0, 0]]
 
 
+def test_bounds_of_coordinates_have_one_limit_and_of_intensities_two() -> None:
+    bench = Bench()
+    display = add(bench, color_transformer="AxisColor", axis="Y")
+    # Coordinates of UTM, [m].
+    bench.publish(TOPIC, cloud(plain([[0, y, 0] for y in (5e6, 5.5e6, 6e6)])))
+    bench.update()
+    assert (display["Min Value"], display["Max Value"]) == (9999.0, 6e6)
+    shares = (np.array([5e6, 5.5e6, 6e6]) - 9999) / (6e6 - 9999)
+    np.testing.assert_allclose(points_of(bench, display)[0].colors[:, :3], rainbow(1 - shares), atol=1e-6)
+    display["Color Transformer"] = "Intensity"
+    bench.publish(TOPIC, cloud(plain(LINE, intensity=np.array([-2e6, 0, 1, 2e6], np.float32))), at=1.0)
+    bench.update(1.0)
+    assert (display["Min Intensity"], display["Max Intensity"]) == (-999999.0, 999999.0)
+
+
 def test_missing_channel_leaves_points_white() -> None:
     assert (colors(Bench(), channel_name="heat") == 1).all()
 
