@@ -185,8 +185,7 @@ class Writer(OwnEndpoint[MatchedReader]):
 
     def on_acknack(self, guid: bytes, base: int, missing: list[int], *, is_final: bool) -> None:
         """Process a reader's report of received messages, and resend the missing ones."""
-        reader = self.matched.get(guid)
-        if reader is None:
+        if (reader := self.matched.get(guid)) is None:
             return
         # It is lower than before if the reader has restarted with the same GUID. A late report
         # makes no difference, because the next heartbeat is answered with the present number.
@@ -356,8 +355,7 @@ class Reader(OwnEndpoint[MatchedWriter]):
 
     def on_data(self, sample: ReceivedSample) -> None:
         """Deliver a message, or keep it until its predecessors have arrived."""
-        writer = self._writer_of_new(sample)
-        if writer is None:
+        if (writer := self._writer_of_new(sample)) is None:
             return
         self.complete += 1
         if not self._is_reliable(writer):

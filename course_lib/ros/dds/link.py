@@ -18,6 +18,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.dds.endpoints import OnSample, ReceivedSample
 from course_lib.ros.dds.participant import Participant
 from course_lib.ros.dds.wire import (
+    CYCLONE_DDS,
     PARTICIPANT_ENTITY,
     PREFIX_SIZE,
     Endpoint,
@@ -29,6 +30,7 @@ from course_lib.ros.graph.topics import Qos, dds_type, ros_type, service_topics
 from course_lib.ros.messages import deserialize, message_class, serialize
 from course_lib.ros.messages.definitions import is_known, type_hash
 from course_lib.ros.robot.link import (
+    CYCLONE_SERVICES,
     Action,
     Declaration,
     Entity,
@@ -335,6 +337,8 @@ class DdsLink(Link):
         is_silent = not self.participant.datagrams and wall.monotonic() - self._started > SILENT_SECONDS
         if is_silent and not self._is_silence_reported:
             yield "silent", self.no_nodes_message()
+        if any(prefix.startswith(CYCLONE_DDS) for prefix in tuple(self.participant.remotes)):
+            yield "cyclone", CYCLONE_SERVICES
         host = self.participant.current_peer
         if host != self._first_peer:
             yield f"moved {host}", moved_message(self.address, host)
@@ -418,8 +422,7 @@ class DdsLink(Link):
             return
         self._endpoints.pop(endpoint.guid, None)
         self._owners.pop(endpoint.guid, None)
-        entity = self._listed.pop(endpoint.guid, None)
-        if entity is not None:
+        if (entity := self._listed.pop(endpoint.guid, None)) is not None:
             self._on_entity(entity, False)
         if endpoint.topic == DISCOVERY[0] and endpoint.kind == "writer":
             # The participant has no nodes left without this writer.
@@ -433,8 +436,7 @@ class DdsLink(Link):
         if endpoint is None or node is None or ros_names is None or guid in self._listed:
             return
         kind, topic, type_name = ros_names
-        match = TYPE_HASH.search(endpoint.user_data)
-        remote_hash = match[1].decode() if match else ""
+        remote_hash = b"".join(TYPE_HASH.findall(endpoint.user_data)[:1]).decode()
         if kind in ("server", "client") and is_known(type_name):
             # DDS transmits the hash of the request, from which the service's own hash cannot be
             # derived.

@@ -345,6 +345,9 @@ class Participant:
         remote = self.remotes.get(guid[:PREFIX_SIZE])
         host, default_locators = (remote.host, remote.locators) if remote else (self._peer, ())
         topic, type_name = parameters.string(Pid.TOPIC), parameters.string(Pid.TYPE)
+        # Cyclone DDS has a header in requests and replies, which neither side would understand.
+        if guid.startswith(wire.CYCLONE_DDS) and topic.startswith(("rq/", "rr/")):
+            return
         qos, user_data = parameters.qos(wire.kind_of(guid)), parameters.octets(Pid.USER_DATA)
         locators = _locators_at(host, parameters.locators(Pid.UNICAST)) or default_locators
         # An empty sequence of partitions has the length 0.

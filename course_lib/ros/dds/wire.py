@@ -20,7 +20,8 @@ Locator = tuple[str, int]  # IPv4 address and port
 
 PROTOCOL = b"RTPS\x02\x03"
 VENDOR_ID = b"\x7f\x7f"  # not assigned to a vendor
-FAST_DDS = b"\x01\x0f"  # vendor ID, with which the GUIDs of Fast DDS begin
+# Vendor IDs, with which the GUIDs of endpoints begin.
+FAST_DDS, CYCLONE_DDS = b"\x01\x0f", b"\x01\x10"
 HEADER_SIZE = 20  # [B]
 # Size of the part of a GUID that identifies the participant; the other 4 bytes are the entity.
 PREFIX_SIZE = 12

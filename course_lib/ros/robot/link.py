@@ -356,6 +356,12 @@ def silence_message(address: str, domain: int, error: int) -> str:
     )
 
 
+CYCLONE_SERVICES = (
+    "The robot uses Cyclone DDS: its topics are linked, but not its services, parameters and actions. "
+    "To call them, start its nodes with RMW_IMPLEMENTATION=rmw_fastrtps_cpp, and connect again."
+)
+
+
 def moved_message(address: str, host: str) -> str:
     """Return a message for a robot that was linked at `address` and now sends from `host`."""
     # A name still leads to the robot.
