@@ -7,7 +7,8 @@ this module:
 - A page may load, reload or wake up at any time. It then gets a snapshot with the number of the
   last batch in it, and the numbers tell both ends whether they have the same scene.
 - A slow page must not pile up messages in the kernel's connection. Some batches request an
-  acknowledgement, and sending pauses while too many of these are pending (`Flow`).
+  acknowledgement, and sending pauses while too many of these are pending (`Flow`). With it a page
+  reports how long a picture takes, and batches are not sent faster than the fastest page draws.
 - Most front ends deliver acknowledgements only after the running cell has ended, so a missing one
   does not mean that the page is slow.
 - Batches are sent by a separate thread. A timer in a node's thread would use robot time, and would
@@ -39,6 +40,8 @@ Sight: TypeAlias = Literal["ready", "away", "hide"]
 # The minimum time between two batches, and between a change and its batch, in which further changes
 # of the same frame are collected [s].
 INTERVAL, COLLECTING = 1 / 40, 1 / 100
+# The longest interval for slow pages, so that a page that has become faster is soon noticed [s].
+MAX_INTERVAL = 1 / 4
 # The time after which an unresponsive page counts as disconnected [s].
 MAX_SILENCE = 10.0
 # An acknowledgement is requested after this many batches or bytes, whichever
@@ -76,12 +79,14 @@ class Page:
         ack: Number of the last acknowledgement that had been requested at the page's last message.
         views: Number of its views.
         sight: Whether it is visible.
+        drawing: Time from the arrival of a batch until its picture has been drawn [s].
     """
 
     number: int
     ack: int = 0
     views: int = 1
     sight: Sight = "ready"
+    drawing: float = 0.0
 
 
 class Flow:
@@ -135,6 +140,12 @@ class Flow:
         if self._loop is not None and not self._loop.is_closed():
             self._loop.call_soon_threadsafe(setattr, self, "_idle_at", self._requested)
         return True
+
+    @property
+    def interval(self) -> float:
+        """The minimum time between two batches [s]: the fastest visible page draws each batch."""
+        drawing = [page.drawing for page in tuple(self.pages.values()) if page.sight == "ready"]
+        return min(max(INTERVAL, min(drawing, default=0.0)), MAX_INTERVAL)
 
     def has_room(self) -> bool:
         """Return whether one more batch may be sent."""
@@ -234,6 +245,11 @@ class PageLink:
         """The ids of the connected pages."""
         return set(self._flow.pages)
 
+    @property
+    def interval(self) -> float:
+        """The minimum time between two batches, which is longer for pages that draw slowly [s]."""
+        return self._flow.interval
+
     def _page_sights(self) -> set[Sight]:
         return {page.sight for page in tuple(self._flow.pages.values()) if page.views}
 
@@ -263,7 +279,9 @@ class PageLink:
         try:
             kind, page = content["type"], str(content.get("page", ""))
             self._on_progress(page, int(content.get("number", -1)), kind)
-            if kind == "views":
+            if kind == "ack":
+                self._flow.pages[page].drawing = float(content.get("drawing", 0.0))
+            elif kind == "views":
                 count = int(content["count"])
                 if count:
                     self._flow.pages[page].views = count
@@ -424,12 +442,13 @@ class PageLink:
         sent = 0.0  # when the last batch was sent [s]
         while True:
             self._changed.wait()
+            interval = self.interval
             # At most an interval, because robot time replaces this clock when a program starts.
-            time.sleep(min(max(COLLECTING, sent + INTERVAL - time.monotonic()), INTERVAL))
+            time.sleep(min(max(COLLECTING, sent + interval - time.monotonic()), interval))
             sent = time.monotonic()
             if self._is_closed:
                 return
-            silence = 0.0 if self._flow.has_room() else silence + INTERVAL
+            silence = 0.0 if self._flow.has_room() else silence + interval
             if silence > MAX_SILENCE:
                 self._flow.drop_silent_pages()
                 self._on_views_change()

@@ -1,11 +1,13 @@
 """The scene widget in a real page: it draws changes from Python and reports actions of the user."""
 
 import base64
+from itertools import count as count_up
 
 import msgpack
 import numpy as np
 import pytest
 
+from course_lib.viewer import page_link
 from course_lib.viewer.drawables import Mesh
 from course_lib.viewer.encoding import snapshot
 from course_lib.viewer.page_link import Click
@@ -41,6 +43,28 @@ def test_scene_changes_are_drawn_on_an_open_page(host: Host) -> None:
     host.carry()
     assert count(host.pixels(), RED) == 0
     assert count(host.pixels(), BLUE) > 1000
+
+
+def test_page_that_draws_slowly_reports_it_and_shows_the_last_change(host: Host) -> None:
+    scene = from_above()
+    widget = show_scene(host, scene)
+    xs = count_up(1)
+
+    def is_slower_than(period: float) -> bool:
+        for _ in range(page_link._ACK_BATCHES):
+            scene.set_object("box", box(RED, x=1e-6 * next(xs)))
+            widget.flush()
+        host.carry()
+        return widget.link.interval >= period
+
+    host.page.evaluate("""() => {
+        globalThis.everyFrame = requestAnimationFrame;
+        globalThis.requestAnimationFrame = (draw) => setTimeout(() => everyFrame(draw), 150); }""")
+    host.wait_until(lambda: is_slower_than(0.15))
+    scene.set_object("box", box(BLUE))
+    host.wait_until(lambda: count(host.pixels(), BLUE) > 1000)
+    host.page.evaluate("() => { globalThis.requestAnimationFrame = everyFrame; }")
+    host.wait_until(lambda: not is_slower_than(0.15))
 
 
 @pytest.mark.slow

@@ -55,7 +55,7 @@ def test_live_run_without_a_page_simulates_two_seconds_and_prints_a_notice(
     run = run_live(node)
     assert (len(calls), notebook.now_ns) == (2, START_NS + 2 * 10**9)
     assert "ran 2 s of robot time at full speed" in capsys.readouterr().out
-    assert run.state() == "▶ running: talker (0.0 s of robot time)"
+    assert run.state() == "▶ running: talker (0 s of robot time)"
 
 
 def test_live_nodes_run_while_the_event_loop_is_idle_and_pause_when_stopped(

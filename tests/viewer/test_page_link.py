@@ -49,6 +49,24 @@ def test_slowest_page_determines_the_rate(wire: Wire) -> None:
 
 
 @pytest.mark.usefixtures("by_hand")
+def test_fastest_visible_page_determines_the_interval(wire: Wire) -> None:
+    intervals = []
+    for page, kind, fields in (
+        ("a", "ready", {}),
+        ("a", "ack", {"drawing": 0.1}),
+        ("b", "ready", {}),
+        ("b", "ack", {"drawing": 0.2}),
+        ("a", "hide", {}),
+        ("b", "ack", {"drawing": 60.0}),
+        ("b", "ack", {}),
+    ):
+        wire.hear(kind, page, **fields)
+        intervals.append(wire.link.interval)
+    fast, slowest = page_link.INTERVAL, page_link.MAX_INTERVAL
+    assert intervals == [fast, 0.1, fast, 0.1, 0.2, slowest, fast]
+
+
+@pytest.mark.usefixtures("by_hand")
 def test_large_batches_are_acknowledged_one_by_one(wire: Wire) -> None:
     wire.hear("ready")
     for number in range(10):
@@ -176,6 +194,7 @@ def test_failing_connection_stops_only_the_sending(wire: Wire, capsys: pytest.Ca
         {"type": "ready", "number": "first"},
         {"type": "click"},
         {"type": "click", "origin": 3},
+        {"type": "ack", "drawing": "slow"},
     ],
 )
 def test_invalid_page_message_is_reported_in_the_views(wire: Wire, content: dict[str, Any]) -> None:

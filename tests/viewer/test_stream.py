@@ -91,6 +91,28 @@ def test_batches_are_sent_automatically_and_at_most_40_times_a_second() -> None:
     assert page.numbers == list(range(1, len(page.numbers) + 1))
 
 
+def test_slow_page_receives_fewer_batches_with_every_command_in_order() -> None:
+    scene = Scene()
+    page = Page(scene)
+    page.stream.receive({"type": "ready", "page": "a", "number": 0})
+    page.stream.receive({"type": "ack", "page": "a", "number": 0, "drawing": 0.2})
+    begun, added = time.monotonic(), []
+    while time.monotonic() - begun < 1.0:
+        added.append(f"box{len(added)}")
+        scene.set_object(added[-1], RED_BOX)
+        scene.set_object("last", RED_BOX)
+        scene.delete("last")
+        time.sleep(0.005)
+    while page.stream._changes:
+        time.sleep(INTERVAL)
+        assert time.monotonic() < begun + A_MINUTE
+    page.stream.close()
+    assert len(page.batches) <= (time.monotonic() - begun) / 0.2 + 1
+    commands = [command for batch in page.batches for command in batch["commands"]]
+    kept = [command["path"] for command in commands if command["path"] != "last"]
+    assert (kept, commands[-1]) == (added, {"type": "delete", "path": "last"})
+
+
 def test_change_is_sent_while_robot_time_is_paused() -> None:
     virtual_time.install()
     scene = Scene()

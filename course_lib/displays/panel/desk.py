@@ -745,8 +745,9 @@ class TimePanel:
         self._session.after_frame.remove(self.refresh)
 
     def refresh(self) -> None:
-        """Send the time if it has changed and the last message is older than PERIOD."""
-        is_due = self._link.is_watched and wall.monotonic() - self._posted >= TIME_PERIOD
+        """Send the time if it has changed and the last message is old enough."""
+        period = max(TIME_PERIOD, self._link.interval)
+        is_due = self._link.is_watched and wall.monotonic() - self._posted >= period
         if is_due and self._source.time() != self._posted_state:
             self._post()
 

@@ -200,7 +200,9 @@ class LiveRun:
         """Return a short description: whether the run is active, for how long, and a note."""
         seconds = (self._graph.now_ns - self.started_ns) * 1e-9
         status = "✗ stopped by an error" if self.error else "▶ running" if self.is_running else "■ stopped"
-        state = f"{status}: {self.name} ({seconds:.1f} s of robot time)"
+        # Each change is a message and a frame of the page, so the tenths are shown only at the end.
+        text = f"{int(seconds)}" if self.is_running else f"{seconds:.1f}"
+        state = f"{status}: {self.name} ({text} s of robot time)"
         return ", ".join(filter(None, (state, note or self.note, self.error)))
 
     def show(self) -> None:

@@ -37,6 +37,8 @@ export class Link {
     this.saveTimer = 0;
     /** @type {Set<(time: any) => void>} */
     this.timeBars = new Set();
+    /** @type {any} the time that the next frame of the page will show */
+    this.nextTime = null;
     /** @type {Set<Place>} */
     this.places = new Set();
     this.hasRequestedPanel = false; // whether the side panel has been requested
@@ -61,12 +63,12 @@ export class Link {
       desk: (news) => this.deskState.apply(news),
       capture: ({ width, height }) =>
         this.send({ type: "picture", png: pictureOf(this.mirror, width, height) }),
-      time: (time) => this.timeBars.forEach((update) => update(time)),
+      time: (time) => this.showTime(time),
     };
     /** @param {any} message @param {DataView[]} [buffers] */
     this.receive = (message, buffers) => {
       this.contain(() => this.handlers[message.type]?.(message, buffers ?? []));
-      if (message.ask) this.send({ type: "ack" });
+      if (message.ask) this.send({ type: "ack", drawing: this.drawingTime() / 1000 });
       this.saveTimer ||= setTimeout(() => this.save(), SAVE_AFTER);
     };
     /** @type {Player | null} plays the recording of a view at rest */
@@ -120,6 +122,15 @@ export class Link {
     } catch (error) {
       this.showMessage(`A part of the scene cannot be shown: ${error}`);
     }
+  }
+
+  /** @param {any} time shown with the next picture, because each change of a text costs a frame of the page */
+  showTime(time) {
+    if (!this.nextTime) requestAnimationFrame(() => {
+      this.timeBars.forEach((update) => update(this.nextTime));
+      this.nextTime = null;
+    });
+    this.nextTime = time;
   }
 
   /** Save the current scene with the notebook, if the page saves the state of widgets. */
@@ -199,6 +210,11 @@ export class Link {
   reportViewCount() {
     this.send({ type: "views", count: this.mirror.views.size });
     this.onSightChange();
+  }
+
+  /** @returns {number} [ms] in which the slowest view in sight draws a change; 0 if no view has drawn one */
+  drawingTime() {
+    return Math.max(0, ...[...this.mirror.views].map((view) => (view.isInSight ? view.drawingTime() : 0)));
   }
 
   /** Report whether a view is in sight; that none is in sight is reported with a delay. */

@@ -56,12 +56,14 @@ export class TimeBar {
     for (const control of [this.backButton, this.slider, this.loopButton]) setChanged(control, { hidden: !time.range });
     setChanged(this.slider, { min: String(range[0]), max: String(range[1]) });
     if (!this.slider.matches(":active")) this.slider.value = String(time.elapsed); // the user may be dragging it
-    setChanged(this.slider, { ariaValueText: `${time.elapsed.toFixed(2)} of ${range[1].toFixed(2)} s` });
+    if (time.range) setChanged(this.slider, { ariaValueText: `${time.elapsed.toFixed(2)} of ${range[1].toFixed(2)} s` });
     setChanged(this.loopButton, { ariaPressed: String(time.loop ?? false) });
     this.speedSelect.value = String(time.rate);
+    const texts = timeTexts(time);
     // A narrow window breaks the line between two clocks.
-    const clocks = timeTexts(time).map((textContent) => createElement("span", { textContent }));
-    this.text.replaceChildren(...clocks.flatMap((clock) => [clock, "  "]));
+    if (this.text.children.length !== texts.length)
+      this.text.replaceChildren(...texts.flatMap(() => [createElement("span"), "  "]));
+    texts.forEach((textContent, i) => setChanged(this.text.children[i], { textContent }));
   }
 
   /** @param {KeyboardEvent} event */
