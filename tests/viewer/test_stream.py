@@ -96,7 +96,8 @@ def test_slow_page_receives_fewer_batches_with_every_command_in_order() -> None:
     page = Page(scene)
     page.stream.receive({"type": "ready", "page": "a", "number": 0})
     page.stream.receive({"type": "ack", "page": "a", "number": 0, "drawing": 0.2})
-    begun, added = time.monotonic(), []
+    begun = time.monotonic()
+    added: list[str] = []
     while time.monotonic() - begun < 1.0:
         added.append(f"box{len(added)}")
         scene.set_object(added[-1], RED_BOX)
