@@ -1,6 +1,8 @@
 """The services of each node: its parameters, its process's log levels, and its types."""
 
 import re
+from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from rcl_interfaces import srv
@@ -43,58 +45,36 @@ class ParameterService:
 
     def __init__(self, node: AnyNode) -> None:
         self._node = node
-        callbacks = {
-            "describe_parameters": self._describe_parameters,
-            "get_parameters": self._get_parameters,
-            "get_parameter_types": self._get_parameter_types,
-            "list_parameters": self._list_parameters,
-            "set_parameters": self._set_parameters,
-            "set_parameters_atomically": self._set_parameters_atomically,
-        }
         for name, kind in SERVICES.items():
             # rclpy calls the method, which a student's class may override.
             service = f"{node.get_name()}/{name}"
-            node.create_service(kind, service, callbacks[name], qos_profile=qos_profile_parameters)
+            callback = partial(self._answer, name)
+            node.create_service(kind, service, callback, qos_profile=qos_profile_parameters)
 
-    def _describe_parameters(self, request: Any, response: Any) -> Any:
-        """Describe all requested parameters, or none if one of them is not declared, as in ROS."""
+    def _answer(self, service: str, request: Any, response: Any) -> Any:
+        """Fill the response of a service. As in ROS, it stays empty if one parameter is unknown."""
         node = self._node
-        if all(map(node.has_parameter, request.names)) or node._allow_undeclared_parameters:
-            response.descriptors = self._node.describe_parameters(request.names)
-        return response
-
-    def _get_parameters(self, request: Any, response: Any) -> Any:
-        try:
-            parameters = self._node.get_parameters(request.names)
-        except (ParameterNotDeclaredException, ParameterUninitializedException):
-            return response
-        response.values = [parameter.get_parameter_value() for parameter in parameters]
-        return response
-
-    def _get_parameter_types(self, request: Any, response: Any) -> Any:
-        try:
-            response.types = self._node.get_parameter_types(request.names)
-        except ParameterNotDeclaredException:
-            response.types = []
-        return response
-
-    def _list_parameters(self, request: Any, response: Any) -> Any:
-        response.result = self._node.list_parameters(request.prefixes, request.depth)
-        return response
-
-    def _set_parameters(self, request: Any, response: Any) -> Any:
-        response.results = [self.__set_all([parameter]) for parameter in request.parameters]
-        return response
-
-    def _set_parameters_atomically(self, request: Any, response: Any) -> Any:
-        response.result = self.__set_all(request.parameters)
+        with suppress(ParameterNotDeclaredException, ParameterUninitializedException):
+            match service:
+                case "describe_parameters":
+                    response.descriptors = node.describe_parameters(request.names)
+                case "get_parameters":
+                    values = node.get_parameters(request.names)
+                    response.values = [parameter.get_parameter_value() for parameter in values]
+                case "get_parameter_types":
+                    response.types = node.get_parameter_types(request.names)
+                case "list_parameters":
+                    response.result = node.list_parameters(request.prefixes, request.depth)
+                case "set_parameters":
+                    response.results = [self.__set_all([message]) for message in request.parameters]
+                case "set_parameters_atomically":
+                    response.result = self.__set_all(request.parameters)
         return response
 
     def __set_all(self, messages: list[Any]) -> SetParametersResult:
         parameters = [Parameter.from_parameter_msg(message) for message in messages]
         try:
-            result: SetParametersResult = self._node.set_parameters_atomically(parameters)
-            return result
+            return self._node.set_parameters_atomically(parameters)
         except ParameterNotDeclaredException as error:
             return SetParametersResult(successful=False, reason=str(error))
 

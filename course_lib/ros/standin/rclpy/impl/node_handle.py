@@ -2,9 +2,11 @@
 
 import weakref
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol, TypeAlias
+from typing import Any, NamedTuple, Protocol
+
+from rcl_interfaces.msg import ListParametersResult, ParameterDescriptor, SetParametersResult
 
 from course_lib.ros.graph.graph import ProgramNodes
 from course_lib.ros.mistakes import Mistake
@@ -14,6 +16,8 @@ from rclpy.exceptions import InvalidHandle
 from rclpy.impl import names
 from rclpy.impl.arguments import Arguments
 from rclpy.impl.implementation_singleton import INVALID_CONTEXT, RCLError
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile
 from rclpy.task import TaskRunner, order
 
 
@@ -25,8 +29,65 @@ class HandledNode(Protocol):
         """The node's handle in the graph."""
 
 
-# A `rclpy.node.Node` in the modules that `rclpy.node` imports, which therefore cannot import it.
-AnyNode: TypeAlias = Any
+class AnyNode(HandledNode, Protocol):
+    """The methods of `Node` that are called by modules below `rclpy.node`, which it imports itself."""
+
+    def get_name(self) -> str:
+        """Return the name of the node."""
+        ...
+
+    def create_service(
+        self, kind: Any, name: str, callback: Callable[[Any, Any], Any], /, *, qos_profile: QoSProfile = ...
+    ) -> object:
+        """Create a service."""
+
+    def create_subscription(
+        self, kind: Any, topic: str, callback: Callable[[Any], Any], qos: QoSProfile, /
+    ) -> Any:
+        """Create a subscription."""
+
+    def destroy_subscription(self, subscription: Any, /) -> bool:
+        """Destroy a subscription. Return False if the node did not create it."""
+        ...
+
+    def add_on_set_parameters_callback(
+        self, callback: Callable[[list[Parameter]], SetParametersResult], /
+    ) -> None:
+        """Add a callback that accepts or rejects a change."""
+
+    def has_parameter(self, name: str, /) -> bool:
+        """Return whether a parameter is declared."""
+        ...
+
+    def declare_parameter(
+        self, name: str, value: Any, descriptor: ParameterDescriptor | None = None, /
+    ) -> Parameter:
+        """Declare a parameter with a default value."""
+        ...
+
+    def get_parameter(self, name: str, /) -> Parameter:
+        """Return a parameter."""
+        ...
+
+    def get_parameters(self, names: Sequence[str], /) -> list[Parameter]:
+        """Return several parameters."""
+        ...
+
+    def get_parameter_types(self, names: Sequence[str], /) -> list[int]:
+        """Return the types of several parameters."""
+        ...
+
+    def describe_parameters(self, names: Sequence[str], /) -> list[ParameterDescriptor]:
+        """Return the descriptors of several parameters."""
+        ...
+
+    def list_parameters(self, prefixes: list[str], depth: int, /) -> ListParametersResult:
+        """List the declared parameters with one of the prefixes."""
+        ...
+
+    def set_parameters_atomically(self, parameters: list[Parameter], /) -> SetParametersResult:
+        """Set all parameters or none of them."""
+        ...
 
 
 class NodeExecutor(TaskRunner, Protocol):
