@@ -114,7 +114,7 @@ def test_exception_in_a_jump_callback_skips_later_callbacks_but_not_the_jump() -
         (
             TypeError,
             "Node must be of type rclpy.node.Node",
-            lambda: TimeSource(node=3),
+            lambda: TimeSource(node=3),  # type: ignore[arg-type]  # the mistake
         ),
     ],
 )
