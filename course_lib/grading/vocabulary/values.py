@@ -347,7 +347,7 @@ def expect_parameters(
     return [
         problem
         for key, expected in values.items()
-        for problem in _check_parameter(node, key, parameters, expected, [name for name, _ in sections])
+        for problem in _check_parameter(node, key, parameters, expected, sections)
     ]
 
 
@@ -356,10 +356,16 @@ def _check_parameter(
     key: str,
     parameters: Mapping[str, Any],
     expected: Any,
-    nodes: Sequence[str],
+    sections: Sequence[tuple[str, Mapping[str, Any]]],
 ) -> Iterable[Problem]:
     if key not in parameters:
-        own = f"only {join_words(list(parameters))}" if parameters else f"whose nodes are {join_words(nodes)}"
+        elsewhere = [name for name, section in sections if key in section]
+        if elsewhere:
+            own = f"only for {join_words(elsewhere)}"
+        elif parameters:
+            own = f"only {join_words(list(parameters))}"
+        else:
+            own = f"whose nodes are {join_words([name for name, _ in sections])}"
         message = f"there is no {key} for {node} in the file, {own}"
         return [Problem(message, "a parameter is missing in the file")]
     value = parameters[key]

@@ -189,7 +189,8 @@ class TopicView(RqtView):
 
 
 def _cells(texts: tuple[str, ...] | list[str]) -> str:
-    cells = "".join(tag("span", escape(cell_text), title=cell_text) for cell_text in texts)
+    # The spaces separate the cells on pages without the view's style.
+    cells = " ".join(tag("span", escape(cell_text), title=cell_text) for cell_text in texts)
     return tag("div", cells, **{"class": "rqt-cells"})
 
 

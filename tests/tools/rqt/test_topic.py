@@ -1,3 +1,5 @@
+import re
+
 from rclpy.node import Node
 
 from course_lib.recording import record
@@ -28,6 +30,17 @@ def test_row_expands_to_the_complete_value(graph: Graph, arm: Node) -> None:
     assert "position:\n- " in value.value
     line.children[0].value = False
     assert value.value == ""
+
+
+def test_cells_of_a_row_are_separate_words_without_the_style(graph: Graph, arm: Node) -> None:
+    view = TopicView(graph, [])
+    view.listen()
+    spin_for(2.0)
+    view.refresh()
+    line, _ = view.rows["/arm/joint_states"].children
+    words = re.sub(r"<[^>]+>", "", line.children[1].value).split()
+    assert words[0] == "sensor_msgs/msg/JointState"
+    assert words[2:4] == ["KB/s", "20.00"]
 
 
 def test_filter_hides_topics(graph: Graph, arm: Node) -> None:

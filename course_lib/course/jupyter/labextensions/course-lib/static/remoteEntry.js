@@ -231,7 +231,7 @@
       value.style.whiteSpace = "pre-wrap";
       if (live[i].type === "number") value.style.cssText = "display: inline-block; min-width: 4em"; // as a column
       value.textContent = valueOf(live[i]);
-      control.replaceWith(value);
+      control.replaceWith(" ", value); // pages without styles separate it from its label
     });
     for (const button of copy.querySelectorAll("button")) {
       if (button.classList.contains("widget-toggle-button")) {
