@@ -454,7 +454,7 @@ _RULES = (
     Rule(lambda m: m.type == _MESH and not m.mesh_resource, "mesh_resource is empty: nothing is drawn."),
     Rule(
         lambda m: m.mesh_use_embedded_materials and _is_stl(m) and not rgba(m.color).any(),
-        "STL files have no materials, so RViz2 draws this mesh in color, which is black. Set color.",
+        "STL files have no materials, so this mesh has the color of the field color: black. Set it.",
     ),
     Rule(
         lambda m: (

@@ -114,7 +114,7 @@ class FailedDisplay(Display):
         )
         names = {short_name(name): name for name in sorted([GROUP, *REGISTRY])}
         package, _, short = self.required.rpartition("/")
-        # Another package may have a display of the same short name, which this hint must not replace.
+        # Another package may have a display of the same short name.
         similar = [
             names[match]
             for match in get_close_matches(short, names, 1, 0.8)

@@ -1,6 +1,6 @@
 """Arrows, axes and covariances, which several displays draw, and their geometry."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from itertools import chain
 from operator import attrgetter
 from typing import Any, NamedTuple
@@ -37,10 +37,11 @@ def _cross(first: Floats, second: Floats) -> Floats:
 
 
 def placement(rotation: Floats, size: Any, center: Any) -> Floats:
-    """Return the transform that scales a unit shape, rotates it and moves it, shape (4, 4)."""
-    transform = np.eye(4)
-    transform[:3, :3] = rotation * np.asarray(size)
-    transform[:3, 3] = center
+    """Return the transform that scales a unit shape, rotates it and moves it, shape (..., 4, 4)."""
+    transform = np.zeros((*np.shape(rotation)[:-2], 4, 4))
+    transform[..., :3, :3] = rotation * np.atleast_1d(size)[..., None, :]
+    transform[..., :3, 3] = center
+    transform[..., 3, 3] = 1.0
     return transform
 
 
@@ -209,9 +210,9 @@ _CONE_CENTER = 0.49115
 # For the discs perpendicular to x, y and z: the indices of roll, pitch and yaw shown along the
 # disc's two axes, and the rotation from the disc to the pose's axes.
 _DISCS = (
-    ((1, 2), np.array([[0, 0, 1], [0, -1, 0], [1, 0, 0]])),
-    ((0, 2), np.array([[0, 1, 0], [0, 0, -1], [-1, 0, 0]])),
-    ((0, 1), np.array([[1, 0, 0], [0, -1, 0], [0, 0, -1]])),
+    ([1, 2], np.array([[0, 0, 1], [0, -1, 0], [1, 0, 0]])),
+    ([0, 2], np.array([[0, 1, 0], [0, 0, -1], [-1, 0, 0]])),
+    ([0, 1], np.array([[1, 0, 0], [0, -1, 0], [0, 0, -1]])),
 )
 
 
@@ -224,11 +225,6 @@ class UncertainPose(NamedTuple):
     transform_frame_to_fixed: Matrix
     # x, y, z in the reference frame [m^2], roll, pitch, yaw [rad^2], shape (6, 6).
     covariance: Matrix
-
-    @property
-    def is_flat(self) -> bool:
-        """Whether the covariance is restricted to a plane."""
-        return bool((self.covariance.diagonal()[2:5] <= 0).all())
 
 
 def uncertain_pose(message: Any, transform_frame_to_fixed: Matrix) -> UncertainPose:
@@ -249,14 +245,17 @@ def draw_covariances(poses: Sequence[UncertainPose], holder: PropertyHolder) -> 
     drawables: dict[str, Drawable] = {}
     if not holder["Covariance"] or not poses:
         return drawables
+    at, frames, covariances = (np.stack(matrices) for matrices in zip(*poses, strict=True))
+    # Whether a covariance is restricted to a plane.
+    is_flat = (np.diagonal(covariances, axis1=1, axis2=2)[:, 2:5] <= 0).all(axis=1)
     if holder[_POSITION]:
-        ellipsoids = []
-        for pose in poses:
-            size, axes = np.array([0.0, 0.0, _THICKNESS]), np.eye(3)
-            count = 2 if pose.is_flat else 3
-            size[:count], axes[:count, :count] = _deviations(pose.covariance[:count, :count])
-            size[:count] *= holder[f"{_POSITION}/Scale"]
-            ellipsoids.append(placement(pose.transform_frame_to_fixed[:3, :3] @ axes, size, pose.pose[:3, 3]))
+        sizes = np.full((len(at), 3), (0.0, 0.0, _THICKNESS))
+        axes = np.tile(np.eye(3), (len(at), 1, 1))
+        for count, chosen in ((2, is_flat), (3, ~is_flat)):
+            extents, directions = _deviations(covariances[chosen, :count, :count])
+            sizes[chosen, :count] = extents * holder[f"{_POSITION}/Scale"]
+            axes[chosen, :count, :count] = directions
+        ellipsoids = placement(frames[:, :3, :3] @ axes, sizes, at[:, :3, 3])
         rgba = rgba_of(holder, f"{_POSITION}/Color", f"{_POSITION}/Alpha")
         drawables["place"] = Solids("sphere", ellipsoids, rgba)
     if not holder[_ORIENTATION]:
@@ -264,49 +263,60 @@ def draw_covariances(poses: Sequence[UncertainPose], holder: PropertyHolder) -> 
     rgba = rgba_of(holder, f"{_ORIENTATION}/Color", f"{_ORIENTATION}/Alpha")
     is_unique = holder[f"{_ORIENTATION}/Color Style"] != "RGB"
     colors = [rgba if is_unique else (*np.eye(3)[axis], rgba[3]) for axis in range(3)]
-    discs = [disc for pose in poses if not pose.is_flat for disc in _discs(pose, holder)]
-    if discs:
-        drawables["discs"] = Solids("cylinder", discs, np.tile(colors, (len(discs) // 3, 1)))
     offset, scale = holder[f"{_ORIENTATION}/Offset"], holder[f"{_ORIENTATION}/Scale"]
-    cones = []
-    for pose in (pose for pose in poses if pose.is_flat):
-        spread = 2 * np.sqrt(np.maximum(pose.covariance[5, 5], 0.0)) * scale
-        size = np.array([_THICKNESS, offset * float(_base_widths(spread)), offset])
-        cone = placement(ALONG_MINUS_X, size, (_CONE_CENTER * offset, 0.0, 0.0))
-        cones.append(_orientation_frame(pose, holder) @ cone)
-    if cones:
-        drawables["cones"] = Solids("cone", cones, colors[2])
+    is_local = holder[f"{_ORIENTATION}/Frame"] == "Local"
+    # The frames of the discs and cones: the pose, or its position with the reference axes.
+    bases = at if is_local else placement(frames[:, :3, :3], 1.0, at[:, :3, 3])
+    if not is_flat.all():
+        discs = _discs(covariances[~is_flat, 3:, 3:], offset, scale)
+        placements = (bases[~is_flat, None] @ discs).reshape(-1, 4, 4)
+        drawables["discs"] = Solids("cylinder", placements, np.tile(colors, (len(discs), 1)))
+    if is_flat.any():
+        spreads = 2 * np.sqrt(np.maximum(covariances[is_flat, 5, 5], 0.0)) * scale
+        cone_sizes = np.full((len(spreads), 3), (_THICKNESS, 0.0, offset))
+        cone_sizes[:, 1] = offset * _base_widths(spreads)
+        rotations = np.tile(ALONG_MINUS_X, (len(spreads), 1, 1))
+        cones = placement(rotations, cone_sizes, (_CONE_CENTER * offset, 0.0, 0.0))
+        drawables["cones"] = Solids("cone", bases[is_flat] @ cones, colors[2])
     return drawables
 
 
-def _discs(pose: UncertainPose, holder: PropertyHolder) -> Iterator[Matrix]:
-    """Yield the placement of the unit cylinder for each axis."""
-    offset, base = holder[f"{_ORIENTATION}/Offset"], _orientation_frame(pose, holder)
+def _discs(covariances: Matrix, offset: float, scale: float) -> Matrix:
+    """Return the placements of the unit cylinders for the axes of each pose, shape (N, 3, 4, 4).
+
+    Args:
+        covariances: Of roll, pitch and yaw [rad^2], shape (N, 3, 3).
+        offset: The distance of the discs [m].
+        scale: The factor of the angles.
+    """
+    discs = np.empty((len(covariances), 3, 4, 4))
     for axis, (angles, rotation) in enumerate(_DISCS):
-        spread, within = _deviations(pose.covariance[3:, 3:][np.ix_(angles, angles)])
-        width = offset * _base_widths(spread * holder[f"{_ORIENTATION}/Scale"])
-        rotated = rotation @ np.block([[within, np.zeros((2, 1))], [np.zeros((1, 2)), np.ones((1, 1))]])
-        yield base @ placement(rotated, (*width, _THICKNESS), offset * np.eye(3)[axis])
+        spreads, directions = _deviations(covariances[:, angles][:, :, angles])
+        sizes = np.full((len(covariances), 3), _THICKNESS)
+        sizes[:, :2] = offset * _base_widths(spreads * scale)
+        within = np.tile(np.eye(3), (len(covariances), 1, 1))
+        within[:, :2, :2] = directions
+        discs[:, axis] = placement(rotation @ within, sizes, offset * np.eye(3)[axis])
+    return discs
 
 
-def _orientation_frame(pose: UncertainPose, holder: PropertyHolder) -> Matrix:
-    """Return the frame of the discs or cone: the pose, or its position with reference axes."""
-    if holder[f"{_ORIENTATION}/Frame"] == "Local":
-        return pose.pose
-    return placement(pose.transform_frame_to_fixed[:3, :3], 1.0, pose.pose[:3, 3])
-
-
-def _deviations(covariance: Matrix) -> tuple[Matrix, Matrix]:
-    """Return two standard deviations along the axes of an ellipse, and the axes as columns.
+def _deviations(covariances: Matrix) -> tuple[Matrix, Matrix]:
+    """Return two standard deviations along the axes of ellipses, and the axes as columns.
 
     Like Eigen, it reads only the lower triangle. A covariance with a negative eigenvalue has no
     extent.
+
+    Args:
+        covariances: Shape (N, k, k).
+
+    Returns:
+        The deviations, shape (N, k), and the axes, shape (N, k, k).
     """
-    variances, axes = np.linalg.eigh(covariance)
-    if variances[0] < -_ROUNDING * variances[-1]:
-        return np.zeros(len(variances)), np.eye(len(variances))
+    variances, axes = np.linalg.eigh(covariances)
     # Make the axes right-handed.
-    axes[:, 0] *= np.sign(np.linalg.det(axes))
+    axes[:, :, 0] *= np.sign(np.linalg.det(axes))[:, None]
+    is_invalid = variances[:, 0] < -_ROUNDING * variances[:, -1]
+    variances[is_invalid], axes[is_invalid] = 0.0, np.eye(variances.shape[1])
     return 2 * np.sqrt(variances.clip(0)), axes
 
 

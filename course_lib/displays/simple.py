@@ -243,18 +243,18 @@ class PathDisplay(DrawnDisplay):
         offset[:3, 3] = self["Offset"]
         paths = [(offset @ transform, numbers) for transform, numbers in self.kept if len(numbers)]
         width = self["Line Width"] if self["Line Style"] == "Billboards" else 0.0
-        drawables: dict[str, Drawable] = {
-            f"line {i}": Lines(numbers[:, :3] @ transform[:3, :3].T + transform[:3, 3], rgba_of(self), width)
-            for i, (transform, numbers) in enumerate(paths)
-        }
+        drawables: dict[str, Drawable] = {}
+        for i, (transform, numbers) in enumerate(paths):
+            points = numbers[:, :3] @ transform[:3, :3].T + transform[:3, 3]
+            drawables[f"line {i}"] = Lines(points, rgba_of(self), width)
         if paths and self["Pose Style"] == "Axes":
-            poses = np.concatenate([transform @ pose_matrices(numbers) for transform, numbers in paths])
-            drawables |= draw_axes(poses, self["Length"], self["Radius"])
+            poses = [transform @ pose_matrices(numbers) for transform, numbers in paths]
+            drawables |= draw_axes(np.concatenate(poses), self["Length"], self["Radius"])
         elif paths and self["Pose Style"] == "Arrows":
-            poses = np.concatenate([transform @ _arrow_poses(numbers) for transform, numbers in paths])
+            poses = [transform @ _arrow_poses(numbers) for transform, numbers in paths]
             rgb = [channel / 255 for channel in self["Pose Color"]]
             sizes = (self[label] for label in _ARROW)
-            drawables |= draw_arrows(poses, *sizes, rgba=(*rgb, 1.0))
+            drawables |= draw_arrows(np.concatenate(poses), *sizes, rgba=(*rgb, 1.0))
         return drawables
 
 

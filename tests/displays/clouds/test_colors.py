@@ -79,9 +79,11 @@ def test_bounds_of_coordinates_have_one_limit_and_of_intensities_two() -> None:
     bench.update()
     assert (display["Min Value"], display["Max Value"]) == (9999.0, 6e6)
     shares = (np.array([5e6, 5.5e6, 6e6]) - 9999) / (6e6 - 9999)
-    np.testing.assert_allclose(points_of(bench, display)[0].colors[:, :3], rainbow(1 - shares), atol=1e-6)
+    point_colors = points_of(bench, display)[0].colors
+    np.testing.assert_allclose(point_colors[:, :3], rainbow(1 - shares), atol=1e-6)
     display["Color Transformer"] = "Intensity"
-    bench.publish(TOPIC, cloud(plain(LINE, intensity=np.array([-2e6, 0, 1, 2e6], np.float32))), at=1.0)
+    intensity = np.array([-2e6, 0, 1, 2e6], np.float32)
+    bench.publish(TOPIC, cloud(plain(LINE, intensity=intensity)), at=1.0)
     bench.update(1.0)
     assert (display["Min Intensity"], display["Max Intensity"]) == (-999999.0, 999999.0)
 

@@ -80,9 +80,8 @@ def test_stl_with_embedded_materials_has_only_the_color_of_the_marker(
     trimesh.creation.box().export(path, file_type="stl")
     red, green, blue, alpha = map(float, rgba)
     color = ColorRGBA(r=red, g=green, b=blue, a=alpha)
-    message = marker(
-        Marker.MESH_RESOURCE, mesh_resource=path.as_uri(), mesh_use_embedded_materials=True, color=color
-    )
+    message = marker(Marker.MESH_RESOURCE, mesh_resource=path.as_uri(), color=color)
+    message.mesh_use_embedded_materials = True
     part = mesh(message).drawables["mesh"]
     assert isinstance(part, Mesh)
     np.testing.assert_allclose(part.colors, expected, atol=1e-6)

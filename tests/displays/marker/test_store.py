@@ -221,7 +221,7 @@ def test_frame_without_new_messages_visits_only_markers_that_expire_or_are_locke
     bench = Bench()
     bench.show(*(marker(number=number) for number in range(20)))
     bench.show(marker(number=20, lifetime=Duration(sec=1)), marker(number=21, frame_locked=True))
-    bench.show(marker(number=1, lifetime=Duration(sec=1)), marker(number=2, lifetime=Duration(sec=1)))
+    bench.show(*(marker(number=number, lifetime=Duration(sec=1)) for number in (1, 2)))
     bench.show(marker(number=2))
     visited: list[int] = []
 

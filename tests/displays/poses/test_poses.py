@@ -130,7 +130,7 @@ def test_solid_arrows_and_axes_of_an_array_are_drawn_at_each_pose() -> None:
 @pytest.mark.parametrize(
     ("shape", "part"), [("Arrow (Flat)", "arrows"), ("Arrow (3D)", "shaft"), ("Axes", "axes")]
 )
-def test_only_flat_arrows_of_an_array_depend_on_the_length_of_a_quaternion(shape: str, part: str) -> None:
+def test_only_flat_arrows_depend_on_the_length_of_a_quaternion(shape: str, part: str) -> None:
     bench = Bench()
     add(bench, "PoseArray", shape=shape, arrow_length=1.0, shaft_length=1.0, axes_length=1.0)
     wrong = pose()
@@ -138,7 +138,8 @@ def test_only_flat_arrows_of_an_array_depend_on_the_length_of_a_quaternion(shape
     bench.publish("/pose", array(wrong))
     drawn = drawables_of(bench)[part]
     ahead = drawn.points[1] if shape == "Arrow (Flat)" else drawn.placements[0][:3, 2]
-    np.testing.assert_allclose(ahead, (-1, 2, 0) if shape == "Arrow (Flat)" else (0, 1, 0), atol=1e-6)
+    expected = (-1, 2, 0) if shape == "Arrow (Flat)" else (0, 1, 0)
+    np.testing.assert_allclose(ahead, expected, atol=1e-6)
 
 
 def test_empty_array_is_not_drawn() -> None:
