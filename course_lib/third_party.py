@@ -210,11 +210,10 @@ def parse_scopes(source: str) -> symtable.SymbolTable:
 class _ComprehensionsToGenerators(ast.NodeTransformer):
     """Replaces each comprehension by the generator expression with the same scope."""
 
-    def visit_ListComp(self, node: ast.ListComp) -> ast.AST:
+    def visit_ListComp(self, node: ast.ListComp | ast.SetComp) -> ast.AST:
         return self.generic_visit(ast.GeneratorExp(node.elt, node.generators))
 
-    def visit_SetComp(self, node: ast.SetComp) -> ast.AST:
-        return self.generic_visit(ast.GeneratorExp(node.elt, node.generators))
+    visit_SetComp = visit_ListComp  # noqa: N815  # the name is of ast.NodeVisitor
 
     def visit_DictComp(self, node: ast.DictComp) -> ast.AST:
         item = ast.Tuple([node.key, node.value], ast.Load())

@@ -109,7 +109,6 @@ def _find_hint(error: BaseException) -> str:
         or near_names.keyword_argument_hint(error)
         or near_names.constructor_hint(error)
         or near_names.unnamed_field_hint(error)
-        or near_names.property_hint(error)
         or _unbound_hint(error, text)
         or _tf_hint(error, text)
         or _callback_hint(error)
@@ -498,10 +497,9 @@ def _future_hint(error: BaseException) -> str:
         above = linecache.getline(frame.f_code.co_filename, number)
         if called := re.search(r"\.add_done_callback\(\s*([\w.]+)\(", above):
             return f"add_done_callback gets the function itself, without ( ): add_done_callback({called[1]})."
-    line = line_of_student(error)
     if isinstance(error.obj, Awaitable) and getattr(error.obj, "done", bool)() is True:
         return f"this future is done: the field is in its result, future.result().{error.name}."
-    if error.obj is None and re.search(r"\.result\(\)\.\w", line):
+    if error.obj is None and re.search(r"\.result\(\)\.\w", line_of_student(error)):
         return "the response has not arrived yet: `await future`, or `future.add_done_callback(f)`."
     return ""
 
@@ -562,10 +560,6 @@ def _order_hint(error: BaseException, text: str) -> str:
     if "isinstance() arg 2" in text and frame is not None and frame.f_code.co_name == "publish":
         # rclpy accepts a message in place of its class until `publish` is called.
         return _type_hint(getattr(frame.f_locals.get("self"), "msg_type", None))
-    line = line_of_student(error)
-    end = re.search(r"\b(Action(?:Server|Client))\(\s*\w+\s*,\s*['\"]", line)
-    if end and "missing" in text:
-        return f"the node comes first: `{_CREATE_CALLS[end[1]]}`."
     texts = "rclpy_resolve_name|incompatible constructor arguments|no attribute '_TYPE_SUPPORT'"
     if not re.search(texts, text):
         return ""

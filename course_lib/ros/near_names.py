@@ -735,14 +735,6 @@ def _is_valid_value(value: object, field: FieldDefinition) -> bool:
     return isinstance(value, str) if field.base in ("string", "wstring") else is_number
 
 
-def property_hint(error: BaseException) -> str:
-    """Return the hint for a property below a topic that is written with two pairs of brackets, or ""."""
-    found = re.search(r"\[[\"']([\w ]*Topic)[\"']\]\[[\"']([\w ]+)[\"']\]", line_of_student(error))
-    if not isinstance(error, TypeError) or found is None:
-        return ""
-    return f'a property below {found[1]} has one pair of brackets: display["{found[1]}/{found[2]}"].'
-
-
 def near_field(missing: str, names: Sequence[str]) -> str:
     """Return the field or constant of a message that a name probably means, or "".
 

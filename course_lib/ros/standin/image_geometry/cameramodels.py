@@ -1,9 +1,9 @@
-# ruff: noqa: N802, N803 - the names are ROS's
+# ruff: noqa: N802, N803, N815 - the names are ROS's
 """Camera models created from a CameraInfo, which map 3D points to pixels and pixels to rays."""
 
 import copy
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -66,6 +66,26 @@ def _tilt(tau_x: float, tau_y: float) -> Matrix:
 def _matrix(rows: int, columns: int, numbers: Any) -> Any:
     """Return a numpy.matrix, in which * is the matrix product, as in ROS."""
     return np.matrix(np.reshape(np.array(numbers, np.float64), (rows, columns)))
+
+
+def _field(name: str, description: str) -> Callable[["PinholeCameraModel"], Any]:
+    """Return a method that returns an attribute of a camera."""
+
+    def read(self: "PinholeCameraModel") -> Any:
+        return getattr(self, name)
+
+    read.__doc__ = description
+    return read
+
+
+def _entry(row: int, column: int, description: str) -> Callable[["PinholeCameraModel"], float]:
+    """Return a method that returns an entry of a camera's projection matrix."""
+
+    def read(self: "PinholeCameraModel") -> float:
+        return float(self.P[row, column])
+
+    read.__doc__ = description
+    return read
 
 
 class PinholeCameraModel:
@@ -171,53 +191,18 @@ class PinholeCameraModel:
         resolution: tuple[int, int] = self.resolution
         return resolution
 
-    def intrinsicMatrix(self) -> Any:
-        """Return the camera matrix K."""
-        return self.K
-
-    def distortionCoeffs(self) -> Any:
-        """Return the distortion coefficients D as a column, or None without distortion."""
-        return self.D
-
-    def rotationMatrix(self) -> Any:
-        """Return the rectification matrix R."""
-        return self.R
-
-    def projectionMatrix(self) -> Any:
-        """Return the projection matrix P."""
-        return self.P
-
-    def fullIntrinsicMatrix(self) -> Any:
-        """Return K of the whole sensor, without binning."""
-        return self.full_K
-
-    def fullProjectionMatrix(self) -> Any:
-        """Return P of the whole sensor, without binning."""
-        return self.full_P
-
-    def cx(self) -> float:
-        """Return the column of the principal point."""
-        return float(self.P[0, 2])
-
-    def cy(self) -> float:
-        """Return the row of the principal point."""
-        return float(self.P[1, 2])
-
-    def fx(self) -> float:
-        """Return the horizontal focal length in pixels."""
-        return float(self.P[0, 0])
-
-    def fy(self) -> float:
-        """Return the vertical focal length in pixels."""
-        return float(self.P[1, 1])
-
-    def Tx(self) -> float:
-        """Return P[0, 3]: -fx times the distance to the left camera, in pixels times [m]."""
-        return float(self.P[0, 3])
-
-    def Ty(self) -> float:
-        """Return P[1, 3]."""
-        return float(self.P[1, 3])
+    intrinsicMatrix = _field("K", "Return the camera matrix K.")
+    distortionCoeffs = _field("D", "Return the distortion coefficients D as a column, or None.")
+    rotationMatrix = _field("R", "Return the rectification matrix R.")
+    projectionMatrix = _field("P", "Return the projection matrix P.")
+    fullIntrinsicMatrix = _field("full_K", "Return K of the whole sensor, without binning.")
+    fullProjectionMatrix = _field("full_P", "Return P of the whole sensor, without binning.")
+    cx = _entry(0, 2, "Return the column of the principal point.")
+    cy = _entry(1, 2, "Return the row of the principal point.")
+    fx = _entry(0, 0, "Return the horizontal focal length in pixels.")
+    fy = _entry(1, 1, "Return the vertical focal length in pixels.")
+    Tx = _entry(0, 3, "Return P[0, 3]: -fx times the distance to the left camera, in pixels times [m].")
+    Ty = _entry(1, 3, "Return P[1, 3].")
 
     def fovX(self) -> float:
         """Return the horizontal field of view, [rad]."""
