@@ -110,11 +110,11 @@ def test_wheel_is_small_and_contains_no_answers(built: Path) -> None:
         tops = {name.split("/")[0] for name in archive.namelist()}
         assert {top.split("-")[0] for top in tops} == {"course_lib"}
         # Files outside the package: the extension that every JupyterLab of the environment loads,
-        # and the settings of every nbconvert.
+        # and the settings of every Jupyter program.
         data = {name.partition(".data/data/")[2] for name in archive.namelist() if ".data/data/" in name}
         folder = "share/jupyter/labextensions/course-lib"
         extension = {f"{folder}/package.json", f"{folder}/static/remoteEntry.js"}
-        assert data == {*extension, "etc/jupyter/jupyter_nbconvert_config.json"}
+        assert data == {*extension, "etc/jupyter/jupyter_config.json"}
         assert not [
             name for name in archive.namelist() if "HIDDEN = {" in archive.read(name).decode(errors="replace")
         ]
@@ -146,7 +146,7 @@ def run(home: Path, program: str, *words: str | Path) -> str:
     return process.stdout
 
 
-def test_nbconvert_of_an_environment_with_the_wheel_writes_alternative_texts(
+def test_nbconvert_and_servers_of_an_environment_with_the_wheel_write_alternative_texts(
     home: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     templates = Path(sysconfig.get_path("data"), "share/jupyter")  # of nbconvert
@@ -158,6 +158,10 @@ def test_nbconvert_of_an_environment_with_the_wheel_writes_alternative_texts(
     (home / "view.ipynb").write_text(json.dumps(notebook))
     run(home, "python", "-m", "nbconvert", "--to", "html", "view.ipynb")
     assert '<img alt="a red cube" src="data:image/png' in (home / "view.html").read_text()
+    # JupyterLab's menu exports with the settings of the server, such as one that a hub has started.
+    server = "from jupyter_server.serverapp import ServerApp as App; app = App(); app.load_config_file()"
+    exporter = run(home, "python", "-c", f"{server}; print(app.config.HTMLExporter)")
+    assert "AlternativeTexts" in exporter
 
 
 def test_installed_wheel_runs_the_demo_and_creates_a_student_folder(home: Path) -> None:
