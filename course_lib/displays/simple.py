@@ -57,11 +57,32 @@ _FLAT, _SOLID = "Arrow (Flat)", "Arrow (3D)"
 # (flat_arrows_array.cpp).
 _STROKES = np.array([(0, 0, 0), (1, 0, 0), (1, 0, 0), (0.75, 0.2, 0), (1, 0, 0), (0.75, -0.2, 0)])
 _NOT_UNIT = "Message contained unnormalized quaternion (squares of values don't add to 1)"
+_NOT_UNIT_HINT = (
+    "{} not have length 1, ({}): RViz2 may draw a wrong rotation. Divide a quaternion by its length."
+)
+# Of the squared length, as for markers.
+_UNIT_TOLERANCE = 1e-3
 _ARROW = ("Shaft Length", "Shaft Diameter", "Head Length", "Head Diameter")
 # The same in the order of the panel.
 _ARROW_ROWS = ("Shaft Length", "Head Length", "Shaft Diameter", "Head Diameter")
 # Conditions of a path's properties.
 _AXES, _ARROWS = (("Pose Style", "Axes"),), (("Pose Style", "Arrows"),)
+
+
+def hint_orientations(display: DrawnDisplay, poses: Matrix) -> None:
+    """Add a hint if quaternions of poses, shape (N, 7), do not have length 1, or remove it.
+
+    RViz normalizes some of them and not others, without a status.
+    """
+    wrong = np.abs((poses[:, 3:] ** 2).sum(axis=1) - 1.0) > _UNIT_TOLERANCE
+    if wrong.any():
+        quaternion = ", ".join(f"{number:g}" for number in poses[wrong][0, 3:])
+        subject = "orientation does"
+        if len(poses) > 1:
+            subject = f"{wrong.sum()} of {len(poses)} orientations do"
+        display.statuses.hint("Orientation", _NOT_UNIT_HINT.format(subject, quaternion))
+    else:
+        display.statuses.hint("Orientation")
 
 
 class PoseDisplay(DrawnDisplay):
@@ -77,6 +98,7 @@ class PoseDisplay(DrawnDisplay):
 
     def convert(self, message: Any, transform_frame_to_fixed: Matrix) -> Matrix:
         """Return the pose in the fixed frame, shape (4, 4)."""
+        hint_orientations(self, self.numbers(message))
         return pose_in_fixed_frame(transform_frame_to_fixed, message.pose)
 
     def drawables(self) -> Mapping[str, Drawable]:
@@ -99,6 +121,7 @@ class PoseWithCovarianceDisplay(DrawnDisplay):
 
     def convert(self, message: Any, transform_frame_to_fixed: Matrix) -> UncertainPose:
         """Return the pose in the fixed frame, with its covariance."""
+        hint_orientations(self, pose_numbers([message.pose.pose]))
         return uncertain_pose(message.pose, transform_frame_to_fixed)
 
     def drawables(self) -> Mapping[str, Drawable]:
@@ -133,6 +156,12 @@ class PoseArrayDisplay(DrawnDisplay):
     def numbers(self, message: Any) -> Matrix:
         """Return positions and quaternions, shape (N, 7)."""
         return pose_numbers(message.poses)
+
+    def convert(self, message: Any, transform_frame_to_fixed: Matrix) -> Matrix:
+        """Return positions and quaternions, shape (N, 7)."""
+        poses = self.numbers(message)
+        hint_orientations(self, poses)
+        return poses
 
     def drawables(self) -> Mapping[str, Drawable]:
         """Return all arrows or axes as one drawable, in the frame of the message."""
@@ -235,6 +264,8 @@ class PathDisplay(DrawnDisplay):
             self.statuses.set("error", "Topic", INVALID)
         elif (transform := self.transform_at(message.header)) is not None:
             path = (transform, numbers)
+            # The orientations have no effect in a line.
+            hint_orientations(self, numbers[: len(numbers) * (self["Pose Style"] != "None")])
         self.keep(path)
 
     def drawables(self) -> Mapping[str, Drawable]:

@@ -108,7 +108,7 @@ def test_quaternion_without_unit_length_does_not_change_the_size_of_the_shapes(
     style: str, part: str, ahead: Any
 ) -> None:
     bench = Bench()
-    add(bench, pose_style=style, shaft_length=1.0, length=1.0)
+    display = add(bench, pose_style=style, shaft_length=1.0, length=1.0)
     message = path(0.0, 1.0)
     message.poses[0].pose.orientation.z = message.poses[0].pose.orientation.w = 1.0
     message.poses[1].pose.orientation.z, message.poses[1].pose.orientation.w = 2.0, 0.0
@@ -118,3 +118,7 @@ def test_quaternion_without_unit_length_does_not_change_the_size_of_the_shapes(
     np.testing.assert_allclose(placements[0][:3, 2], ahead, atol=1e-6)
     second = placements[3 if part == "axes" else 1]
     np.testing.assert_allclose(second[:3, 2], (-1, 0, 0), atol=1e-6)
+    assert bench.hints(display)[0].startswith("2 of 2 orientations do not have length 1")
+    display["Pose Style"] = "None"
+    bench.publish("/path", message)
+    assert bench.hints(display) == []

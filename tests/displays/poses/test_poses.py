@@ -127,6 +127,21 @@ def test_solid_arrows_and_axes_of_an_array_are_drawn_at_each_pose() -> None:
     np.testing.assert_allclose(extent(bench, "axes", 3)[1], [5, 0.3, 0], atol=1e-6)  # x of the second
 
 
+def test_quaternions_without_unit_length_have_a_hint_until_they_are_corrected() -> None:
+    bench = Bench()
+    display = add(bench, "PoseArray")
+    wrong = pose()
+    wrong.orientation.z = wrong.orientation.w = 1.0
+    bench.publish("/pose", array(pose(), wrong, wrong))
+    (hint,) = bench.hints(display)
+    assert hint.startswith("2 of 3 orientations do not have length 1, (0, 0, 1, 1): RViz2 may")
+    bench.publish("/pose", array(pose()))
+    assert bench.hints(display) == []
+    single = bench.session.add("rviz_default_plugins/Pose", "Single", {"Topic": "/single"})
+    bench.publish("/single", stamped(wrong))
+    assert bench.hints(single)[0].startswith("orientation does not have length 1, (0, 0, 1, 1)")
+
+
 @pytest.mark.parametrize(
     ("shape", "part"), [("Arrow (Flat)", "arrows"), ("Arrow (3D)", "shaft"), ("Axes", "axes")]
 )
