@@ -4,6 +4,7 @@ The errors of ROS and Python state the type that is needed, but not the value. T
 frame that raised the error.
 """
 
+import ast
 import linecache
 import re
 from array import array
@@ -340,10 +341,13 @@ def pair_hint(error: BaseException, text: str) -> str:
 
 
 def none_hint(error: BaseException, text: str) -> str:
-    """Return the hint for a variable that is None because its function returns nothing, or "".
+    """Return the hint for a variable that is None, or "".
 
-    The assignment may be above the failing line: `corners = corners.append(corner)`.
+    A callback has not set it yet, or it has the value of a function that returns nothing. That
+    assignment may be above the failing line: `corners = corners.append(corner)`.
     """
+    if found_hint := _waiting_hint(error, text):
+        return found_hint
     frame = frame_of(error)
     if frame is None or "NoneType" not in text:
         return ""
@@ -355,6 +359,55 @@ def none_hint(error: BaseException, text: str) -> str:
                 return f"print(…) returns None: leave out print, as in {name} = 1.0."
             return f"{call}(…) changes its object and returns None: leave out {name} = before it."
     return ""
+
+
+def _waiting_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a variable that is None until a callback has got a message, or ""."""
+    own = [step for step in walk_tb(error.__traceback__) if is_student_file(step[0].f_code.co_filename)]
+    inner = frame_of(error)
+    is_of_field = "field must be" in text and inner is not None and inner.f_locals.get("value", "") is None
+    if not own or not (is_of_field or "NoneType" in text):
+        return ""
+    frame, number = own[-1]
+    lines = linecache.getlines(frame.f_code.co_filename)
+    try:
+        tree = ast.parse("".join(lines))
+    except SyntaxError:  # a cell with a magic
+        return ""
+    # Python keeps self.__pose of a class Mover as _Mover__pose.
+    class_name = frame.f_code.co_qualname.rpartition(".")[0].rpartition(".")[2].lstrip("_")
+    attributes = getattr(frame.f_locals.get("self"), "__dict__", {})
+    variables = {
+        "self." + re.sub(rf"^_{class_name}(?=__)", "", name): value for name, value in attributes.items()
+    }
+    variables |= frame.f_globals | frame.f_locals
+    line = lines[number - 1] if number <= len(lines) else ""
+    names = set(re.findall(r"(?<![\w.])(?:self\.)?\w+", line)) & variables.keys()
+    nothing = [name for name in names if variables[name] is None]
+    if len(nothing) != 1:
+        return ""
+    name = nothing[0]
+    for function in ast.walk(tree):
+        if isinstance(function, ast.FunctionDef) and _keeps_message(function, name):
+            text = f"{name} is None until {function.name} has run: write"
+            return f"{text} `if {name} is None: return` before this line."
+    return ""
+
+
+def _keeps_message(callback: ast.FunctionDef, name: str) -> bool:
+    """Return whether a function sets a variable to its last parameter, or to a part of it."""
+    parameters = [argument.arg for argument in callback.args.args if argument.arg != "self"]
+    global_names = {one for node in ast.walk(callback) if isinstance(node, ast.Global) for one in node.names}
+    if not parameters or callback.name == "__init__" or ("." not in name and name not in global_names):
+        return False
+    values = [
+        ast.unparse(node.value)
+        for node in ast.walk(callback)
+        if isinstance(node, ast.Assign) and name in map(ast.unparse, node.targets)
+    ]
+    # Other functions than those of numpy and conversions may return None.
+    part = rf"(?:np\.\w+\(|float\(|list\()?{parameters[-1]}\b[\w.\[\]]*\)?"
+    return any(re.fullmatch(part, value) for value in values)
 
 
 def lines_above(error: BaseException) -> Iterator[str]:

@@ -121,8 +121,8 @@ def run(snippet: str, names: dict[str, object]) -> None:
         exec(snippet, names)
     elif snippet.startswith("super()"):
         exec(f"class Other(Node):\n    def __init__(self): {snippet}\nOther()", names)
-    elif snippet.startswith(("return ", "await ", "global ")):
-        exec(f"async def other(): {snippet}\nother().close()", names)
+    elif snippet.startswith(("return ", "await ", "global ", "if ")):
+        exec(f"async def other():\n    {snippet}\nother().close()", names)
     else:
         if "get_parameter(" in snippet:
             exec("self.declare_parameters('', [('a_name', 1.0), ('speed', 1.0)])", names)

@@ -448,4 +448,30 @@ MESSAGES = [
         "numbers in a message are in an array of Python, which does not compute: "
         "`np.array(state.position) * 2.0`.",
     ),
+    (
+        "class Arm:\n"
+        "    def __init__(self):\n"
+        "        self.__pose = None\n"
+        "    def on_pose(self, msg):\n"
+        "        self.__pose = msg.pose\n"
+        "    def move(self):\n"
+        "        print(self.__pose.position)\n"
+        "Arm().move()",
+        "AttributeError: 'NoneType' object has no attribute 'position'",
+        "self.__pose is None until on_pose has run: write `if self.__pose is None: return` before this line.",
+    ),
+    (
+        "latest = None\n"
+        "def on_point(msg):\n"
+        "    global latest\n"
+        "    latest = msg\n"
+        "node.create_publisher(Point, 'points', 10).publish(latest)",
+        "TypeError: Expected <class 'geometry_msgs.msg._point.Point'>, got <class 'NoneType'>",
+        "latest is None until on_point has run: write `if latest is None: return` before this line.",
+    ),
+    (
+        "class Arm:\n    def __init__(self, pose=None):\n        self.pose = pose\nArm().pose.position",
+        "AttributeError: 'NoneType' object has no attribute 'position'",
+        "this is None: does the function that created it return something?",
+    ),
 ]
