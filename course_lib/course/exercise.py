@@ -216,9 +216,12 @@ def normalise(text: str) -> str:
     student = "".join(str(unicodedata.digit(c, c)) for c in plain if not c.isspace())
     strange = sorted({c for c in student if not (c.isalnum() or c in EXTRA_CHARACTERS)})
     if not student or strange or len(student) > MAX_LENGTH or not student[0].isalnum():
+        is_shortened = re.fullmatch(r"\d([.,]\d+)?e\+\d+", student)
+        advice = " A spreadsheet has shortened this number: export the file again, and don't save it there."
         raise CourseError(
             f"{text!r} is not a student ID: expected up to {MAX_LENGTH} letters, digits and "
             f"{' '.join(EXTRA_CHARACTERS)}, the first a letter or a digit. Example: 20231234"
+            f"{advice if is_shortened else ''}"
         )
     return student
 

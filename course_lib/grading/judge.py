@@ -65,6 +65,9 @@ def judge_task(task: Task, points: float, bonus: bool, runs: Sequence[Run]) -> T
 
 # The timer repeats after this processor time [s], for code that swallows the first exception.
 AGAIN = 1.0
+# A block that uses hardly any processor time [s] within these seconds is not slow, it waits: for a
+# process, a lock or the network. A busy machine gives it more than that.
+WAIT_SECONDS, WAIT_PROCESSOR_SECONDS = 20.0, 0.02
 
 
 class _TimeLimitError(BaseException):
@@ -79,27 +82,39 @@ def time_limit(seconds: float) -> Iterator[None]:
     """Limit the processor time of a block; works in the main thread only.
 
     Raises:
-        TimeoutError: The block took more than `seconds`.
+        TimeoutError: The block took more than `seconds`, or waited without using a processor.
     """
+    reason, used = "", time.thread_time()
 
-    def ring(*_: Any) -> None:
+    def ring(number: int, _: Any) -> None:
+        nonlocal reason, used
+        before, used = used, time.thread_time()
+        if number == signal.SIGPROF:
+            reason = f"it takes more than {seconds:.3g} s"
+        elif used - before > WAIT_PROCESSOR_SECONDS:
+            return
+        else:
+            reason = f"it waits for something, without computing for {WAIT_SECONDS:.3g} s"
         raise _TimeLimitError
 
     if not hasattr(signal, "setitimer"):
         # On Windows only a student's own code is checked, which needs no limit.
         yield
         return
-    before = signal.signal(signal.SIGPROF, ring)
+    handlers = [(number, signal.signal(number, ring)) for number in (signal.SIGPROF, signal.SIGALRM)]
     try:
         signal.setitimer(signal.ITIMER_PROF, seconds, AGAIN)
+        signal.setitimer(signal.ITIMER_REAL, WAIT_SECONDS, WAIT_SECONDS)
         try:
             yield
         finally:
             signal.setitimer(signal.ITIMER_PROF, 0)
+            signal.setitimer(signal.ITIMER_REAL, 0)
     except _TimeLimitError:
-        raise TimeoutError(f"it takes more than {seconds:.3g} s") from None
+        raise TimeoutError(reason) from None
     finally:
-        signal.signal(signal.SIGPROF, before)
+        for number, handler in handlers:
+            signal.signal(number, handler)
 
 
 class _Judge:
@@ -150,8 +165,9 @@ class _Judge:
                 if not isinstance(verdict, Verdict):
                     raise TypeError(f"the check returned {verdict!r}, expected passed(...) or failed(...)")
                 return replace(verdict, score=float(verdict.score), message=str(verdict.message))
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             # Student data can trigger errors in a check or in the kit; the student is not at fault.
+            # A check that calls sys.exit() must not end the grading of a class.
             slow = evidence.large_message if isinstance(error, TimeoutError) else ""
             message = f"{TOO_LARGE}: {slow}; publish fewer points" if slow else CANNOT_JUDGE
             kind = TOO_LARGE if slow else CANNOT_JUDGE
@@ -163,7 +179,7 @@ class _Judge:
             self._remaining -= self._seconds[check.judge]
 
 
-def _location(check: Check, error: Exception) -> str:
+def _location(check: Check, error: BaseException) -> str:
     """Return the location of an exception in a check, "week01.py line 12: ", or ""."""
     frames = traceback.extract_tb(error.__traceback__)
     check_frames = [frame for frame in frames if Path(frame.filename).parent.name == "checks"]

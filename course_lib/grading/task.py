@@ -224,10 +224,15 @@ def _require_number(subject: str, value: Any) -> None:
 
 
 def _require_tuple(subject: str, value: Any, item_type: type) -> None:
-    if not isinstance(value, tuple) or not all(isinstance(item, item_type) for item in value):
-        raise CourseError(
-            f"{subject}: {value!r}, expected a tuple of {item_type.__name__} (one item needs a comma, too)"
-        )
+    if isinstance(value, tuple) and all(isinstance(item, item_type) for item in value):
+        return
+    items = value if isinstance(value, tuple) else ()
+    wrong = next((item for item in items if not isinstance(item, item_type)), value)
+    expected = f"expected a tuple of {item_type.__name__} (one item needs a comma, too)"
+    if item_type is Check and callable(wrong):
+        name = getattr(wrong, "__name__", type(wrong).__name__)
+        expected = f'the function {name} is not a check yet. Write Check("the row\'s title", {name})'
+    raise CourseError(f"{subject}: {value!r}, {expected}")
 
 
 @dataclass(frozen=True)
@@ -436,15 +441,15 @@ def _run_check_file(path: Path) -> dict[str, Any]:
         raise CourseError(f"{error.filename} line {error.lineno}: SyntaxError: {error.msg}") from error
     except CourseError as error:
         raise CourseError(f"{_location(path, error)}: {error}") from error
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         # A check file is a program and can raise any exception, whose message lacks the file's
-        # name.
+        # name. sys.exit() would end the command as if it had succeeded.
         text = f"{_location(path, error)}: {type(error).__name__}: {error}"
         suggestion = did_you_mean(str(error.name), _names_in(path)) if isinstance(error, NameError) else ""
         raise CourseError(f"{text}{suggestion}") from error
 
 
-def _location(path: Path, error: Exception) -> str:
+def _location(path: Path, error: BaseException) -> str:
     """Return the file, with the last of its lines in an exception's traceback."""
     lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
     return f"{path} line {lines[-1]}" if lines else str(path)

@@ -160,3 +160,10 @@ def test_missing_course_file_is_reported(course: Course) -> None:
         load_catalog(course.exercises).tasks_of_week("week01")
     with pytest.raises(CourseError, match="can't be read"):
         read_course_file(course.exercises / "nothing.toml")
+
+
+def test_check_file_that_ends_the_program_is_reported(course: Course) -> None:
+    path = course.exercises / "checks/week01.py"
+    path.write_text(path.read_text() + "import sys\nsys.exit(0)\n")
+    with pytest.raises(CourseError, match=r"week01\.py line \d+: SystemExit: 0"):
+        load_catalog(course.exercises).tasks_of_week("week01")

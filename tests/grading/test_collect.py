@@ -1,6 +1,7 @@
 import errno
 import io
 import os
+import re
 import stat
 import struct
 import zipfile
@@ -111,6 +112,26 @@ def test_name_that_a_spreadsheet_would_evaluate_is_escaped(sort: Sort, tmp_path:
     assert ",'=cmd|A1," in (tmp_path / "out/received.csv").read_text()
 
 
+@pytest.mark.parametrize("name", ["..", ". Ada", ".NET Ada"])
+def test_moodle_folder_of_a_name_that_begins_with_a_dot_is_collected(
+    name: str, sort: Sort, tmp_path: Path
+) -> None:
+    sort({f"{name}_12345_assignsubmission_file_/{NAME}": notebook()})
+    assert collected_files(tmp_path / "out") == [f"participant12345/{NAME}", "received.csv"]
+
+
+@pytest.mark.parametrize("cell", ["4,1E+06", "4.10e+06", "2E+7"])
+def test_id_that_a_spreadsheet_has_shortened_is_reported_with_its_row(
+    cell: str, sort: Sort, tmp_path: Path
+) -> None:
+    (tmp_path / "in.zip").write_bytes(zipped({f"Ada L_8_assignsubmission_file_/{NAME}": notebook()}))
+    (tmp_path / "grades.csv").write_text(f"Identifier;ID number\nParticipant 9;9\nParticipant 8;{cell}\n")
+    expected = rf"grades\.csv, row 3, column 'ID number': '{re.escape(cell)}' .*A spreadsheet has shortened"
+    with pytest.raises(CourseError, match=expected):
+        collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
+    assert not (tmp_path / "out").exists()
+
+
 def test_platform_csv_maps_numbers_to_student_ids(sort: Sort, tmp_path: Path) -> None:
     (tmp_path / "in.zip").write_bytes(zipped({f"Ada L_12345_assignsubmission_file_/{NAME}": notebook()}))
     (tmp_path / "grades.csv").write_text("Identifier,ID number\nParticipant 12345,A 7\nParticipant 8,b\n")
@@ -134,7 +155,9 @@ def test_student_missing_in_the_platform_csv_is_reported(sort: Sort, tmp_path: P
 def test_platform_csv_with_duplicate_ids_is_rejected(sort: Sort, tmp_path: Path, rows: str) -> None:
     (tmp_path / "in.zip").write_bytes(zipped({f"Ada L_8_assignsubmission_file_/{NAME}": notebook()}))
     (tmp_path / "grades.csv").write_text(f"Identifier,ID number\n{rows}\n")
-    with pytest.raises(CourseError, match=r"twice in .*select the ID column with --id-column"):
+    with pytest.raises(
+        CourseError, match=r"twice in .*correct one of the rows, or select the ID column with --id-column"
+    ):
         collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
     assert not (tmp_path / "out").exists()
 

@@ -3,7 +3,7 @@ from typing import Any
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.grading.evidence import Check, Evidence
+from course_lib.grading.evidence import Check, Evidence, Verdict, passed
 from course_lib.grading.judge import judge_task
 from course_lib.grading.records import Run
 from course_lib.grading.task import Message, Row, Scenario, Task, my, resolve
@@ -72,3 +72,13 @@ def test_check_without_a_verdict_is_reported_with_its_source_line(returned: obje
         f"tests/grading/test_task.py line {line}: TypeError: the check returned {returned!r}, "
         "expected passed(...) or failed(...)"
     )
+
+
+def test_function_in_place_of_a_check_is_rejected_with_the_code_to_write() -> None:
+    def is_whole(_: Evidence) -> Verdict:
+        return passed("as expected")
+
+    with pytest.raises(
+        CourseError, match=r'is_whole is not a check yet\. Write Check\("the row\'s title", is_whole'
+    ):
+        Scenario("a", checks=(is_whole,))  # type: ignore[arg-type]

@@ -1,6 +1,8 @@
 """Holes that a review found, each as the claim that it is closed."""
 
 import os
+import sys
+import time
 import zipfile
 from contextlib import closing
 from dataclasses import replace
@@ -11,7 +13,7 @@ import pytest
 
 from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
-from course_lib.grading import expect_marker, expect_parameters, judge
+from course_lib.grading import expect_marker, expect_parameters, judge, passed
 from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.judge import judge_task
 from course_lib.grading.records import Run
@@ -55,6 +57,23 @@ def test_check_exceeding_its_time_limit_fails_alone(monkeypatch: pytest.MonkeyPa
     run = Run(task.scenarios[0], Evidence(task.id, "public", 1.0))
     result = judge_task(task, 10.0, False, [run])
     assert result.checks[0].broken.endswith("TimeoutError: it takes more than 0.1 s")
+
+
+@pytest.mark.parametrize(
+    ("call", "reason"),
+    [
+        (lambda _: time.sleep(1000), "TimeoutError: it waits for something, without computing for 0.2 s"),
+        (lambda _: sys.exit(0), "SystemExit: 0"),
+    ],
+)
+def test_check_that_waits_or_ends_the_program_fails_alone(
+    call: Any, reason: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(judge, "WAIT_SECONDS", 0.2)
+    task = task_with(Check("own", call), Check("right", lambda _: passed("as expected")))
+    result = judge_task(task, 10.0, False, [Run(task.scenarios[0], Evidence(task.id, "public", 1.0))])
+    assert [check.broken.partition(": ")[2] for check in result.checks] == [reason, ""]
+    assert [check.score for check in result.checks] == [0.0, 1.0]
 
 
 def test_slow_check_of_huge_messages_reports_the_messages(

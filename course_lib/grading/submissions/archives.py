@@ -37,6 +37,7 @@ MAX_UNPACKED_FILES = 1000  # limit on the files in all archives of a student
 MAX_UNPACKED_BYTES = 50_000_000  # [B] limit on their size, nested archives included
 RECEIPT = "receipt.json"  # file name in the zip of `course submit`
 JUNK = ("__MACOSX", "Thumbs.db")
+MOODLE_MARK = "_assignsubmission_"  # in the names that Moodle writes
 MAC_NAMES = (".DS_Store", ".localized")  # files that macOS adds to every folder
 HIDDEN = "a name in its path begins with a dot, and the student submitted no visible file. Rename it"
 
@@ -353,7 +354,9 @@ def _time(info: zipfile.ZipInfo) -> datetime:
 
 
 def _is_junk(name: str) -> bool:
-    return name in JUNK or (name.startswith(".") and name != "..")
+    # Moodle's folder of a student whose name begins with a dot is not hidden.
+    is_hidden = name.startswith(".") and name != ".." and MOODLE_MARK not in name
+    return name in JUNK or is_hidden
 
 
 def path_problem(parts: tuple[str, ...]) -> str:

@@ -322,19 +322,32 @@ def read_ids(path: Path, id_column: str, numbers: Collection[str]) -> tuple[dict
     file = LmsFile.read(path)
     place = _number_column(file, numbers, path)
     id_place = file.column(id_column) if id_column else _id_column(file, place)
-    cells = [
-        (_key(file.text(row, place), numbers), file.text(row, id_place)) for row in range(1, len(file.rows))
-    ]
-    rows = [(number, normalise(id_)) for number, id_ in cells if number and id_]
+    ids = _read_ids(file, id_place, path)
+    keys = {row: _key(file.text(row, place), numbers) for row in ids}
+    rows = [(keys[row], student) for row, student in ids.items() if keys[row]]
     for column, which in ((place, 0), (id_place, 1)):
         if twice := next(
             (value for value, count in Counter(row[which] for row in rows).items() if count > 1), ""
         ):
             raise CourseError(
                 f"{path.name} contains {twice!r} twice in {file.headings[column]!r}: "
-                f"select the ID column with --id-column; columns: {_list_headings(file)}"
+                "correct one of the rows, or select the ID column with --id-column; columns: "
+                f"{_list_headings(file)}"
             )
     return dict(rows), file.headings[id_place]
+
+
+def _read_ids(file: LmsFile, place: int, path: Path) -> dict[int, str]:
+    """Return the ID of each row that has one. Raise a CourseError with the row of an invalid ID."""
+    student_ids: dict[int, str] = {}
+    for row in range(1, len(file.rows)):
+        try:
+            if cell := file.text(row, place):
+                student_ids[row] = normalise(cell)
+        except CourseError as error:
+            column = file.headings[place]
+            raise CourseError(f"{path}, row {row + 1}, column {column!r}: {error}") from None
+    return student_ids
 
 
 def has_key(path: Path, keys: Collection[str]) -> bool:
@@ -356,8 +369,7 @@ def read_class(path: Path, id_column: str) -> list[str]:
     """
     file = LmsFile.read(path, least=1)
     place = file.column(id_column) if id_column else _id_column(file, -1)
-    cells = [file.text(row, place) for row in range(1, len(file.rows))]
-    ids = [normalise(cell) for cell in cells if cell]
+    ids = list(_read_ids(file, place, path).values())
     if twice := [student_id for student_id, count in Counter(ids).items() if count > 1]:
         raise CourseError(
             f"{path.name} contains {twice[0]!r} twice in {file.headings[place]!r}; delete a row"
