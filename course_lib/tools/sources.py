@@ -274,7 +274,10 @@ def answer(
     """
     blocked = [name for name in source.graph.take_blocked_calls() if f"{name}/".startswith(f"{server}/")]
     if blocked:
-        raise CourseError(f"{server} was not called, because the link to the robot is read-only.")
+        raise CourseError(
+            f"{server} was not called, because the link to the robot does not allow it. "
+            f"To call it, connect with --call {server}"
+        )
     if not source.wait(lambda: not (future._pending() and has_server()), seconds):
         raise CourseError(f"{server} does not respond. Is it running? Start it, like run_live(node).")
     if future._pending():

@@ -131,7 +131,9 @@ class BlockedTraffic:
     def _report_rule(self, effect: str, purpose: str, name: str, option: str) -> None:
         """Report an effect of the permissions, and the option that changes it."""
         python = f' or {option[2:]}=["{name}"]' if self._notebook else ""
-        self._report(f"{effect}: the link is read-only. To {purpose}, connect with {option} {name}{python}")
+        self._report(
+            f"{effect}: the link does not allow it. To {purpose}, connect with {option} {name}{python}"
+        )
 
 
 class StopCommand:

@@ -164,7 +164,9 @@ def test_call_that_is_not_allowed_ends_the_command_with_the_reason(robot: RealRo
         command = [sys.executable, "-m", "course_lib", "ros2", *link, *words]
         done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
         assert done.returncode == 1
-        assert f"error: {name} was not called, because the link to the robot is read-only." in done.stderr
+        assert (
+            f"error: {name} was not called, because the link to the robot does not allow it." in done.stderr
+        )
         assert f"To send them, connect with --call {name}" in done.stderr
 
 

@@ -160,7 +160,8 @@ def test_messages_that_are_not_allowed_are_counted_and_reported_once_instead_of_
     assert "/cmd_vel" not in topics(robot, "pub")
     assert student.blocked.counts == {"/cmd_vel": 3}
     assert [line for line in kits.lines if "/cmd_vel" in line] == [
-        "Messages on /cmd_vel are not sent: the link is read-only. To send them, connect with --send /cmd_vel"
+        "Messages on /cmd_vel are not sent: the link does not allow it. "
+        "To send them, connect with --send /cmd_vel"
     ]
 
 
@@ -271,7 +272,8 @@ def test_blocked_parts_of_an_action_name_the_option_that_allows_the_action() -> 
     blocked.add("/arm/fib/_action/get_result", "--call")
     blocked.add("/arm/fib/_action/status", "--send")
     assert lines == [
-        "Calls of /arm/fib are not sent: the link is read-only. To send them, connect with --call /arm/fib"
+        "Calls of /arm/fib are not sent: the link does not allow it. "
+        "To send them, connect with --call /arm/fib"
     ]
     allowed = Permissions.from_names((), ["/arm/fib"])
     assert allowed.is_service_allowed("/arm/fib/_action/send_goal")
@@ -287,9 +289,9 @@ def test_services_that_are_not_offered_are_reported_once_except_the_services_of_
         blocked.add_service("/arm/fib/_action/get_result", "example_interfaces/action/Fibonacci_GetResult")
         blocked.add_service("/arm/set_parameters", "rcl_interfaces/srv/SetParameters")
     assert lines == [
-        "The service /reset is not offered to the robot: the link is read-only. "
+        "The service /reset is not offered to the robot: the link does not allow it. "
         'To offer it, connect with --call /reset or call=["/reset"]',
-        "The action /arm/fib is not offered to the robot: the link is read-only. "
+        "The action /arm/fib is not offered to the robot: the link does not allow it. "
         'To offer it, connect with --call /arm/fib or call=["/arm/fib"]',
     ]
 
@@ -302,7 +304,7 @@ def test_service_calls_that_are_not_allowed_are_not_forwarded(kits: Kits) -> Non
     call(student, ask, 1)
     kits.until(lambda: kits.lines, "the line")
     assert kits.lines == [
-        "Calls of /reset are not sent: the link is read-only. To send them, connect with --call /reset"
+        "Calls of /reset are not sent: the link does not allow it. To send them, connect with --call /reset"
     ]
     assert (asked, heard) == ([], [])
     # `ros2 service call` ends with this reason, and waits for its own calls only.
@@ -316,7 +318,7 @@ def test_service_is_not_offered_unless_it_is_allowed(kits: Kits) -> None:
     kits.until(lambda: any(e.is_service for e in robot.endpoints()), "the service")
     assert {e.service for e in robot.endpoints() if e.is_service} == {("/other", "std_srvs/srv/Trigger")}
     assert kits.lines == [
-        "The service /reset is not offered to the robot: the link is read-only. "
+        "The service /reset is not offered to the robot: the link does not allow it. "
         "To offer it, connect with --call /reset"
     ]
 
