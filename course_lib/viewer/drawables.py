@@ -159,6 +159,13 @@ class Solids:
             raise CourseError(f"Solids(shape={shape!r}): expected one of {', '.join(get_args(Shape))}.")
         self.shape: Shape = shape
         self.placements = float_array("placements", placements, (None, 4, 4))
+        with np.errstate(all="ignore"):
+            is_mirrored = np.linalg.det(self.placements[:, :3, :3]) < 0
+        if is_mirrored.any():
+            # A renderer would show the inner sides of mirrored faces. All shapes are symmetric in x.
+            self.placements = self.placements.copy()
+            self.placements[is_mirrored, :3, 0] *= -1
+            self.placements.setflags(write=False)
         self.colors = rgba(colors, len(self.placements))
         self.lit = lit
 

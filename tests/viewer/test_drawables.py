@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.viewer.drawables import Lines, Mesh, Points, Solids
+from course_lib.viewer.drawables import Lines, Mesh, Points, Shape, Solids
 
 RED = (1, 0, 0, 1)
 
@@ -46,3 +46,14 @@ def test_odd_number_of_line_segment_points_is_rejected() -> None:
 def test_unknown_shape_is_rejected_with_the_known_ones() -> None:
     with pytest.raises(CourseError, match=r"'cube'.*box, sphere, cylinder, cone"):
         Solids("cube", [np.eye(4)], RED)  # type: ignore[arg-type]  # the mistake under test
+
+
+@pytest.mark.parametrize("shape", ["box", "sphere", "cylinder", "cone"])
+def test_mirrored_solid_is_drawn_with_its_outer_sides(shape: Shape) -> None:
+    scales = [(-1, 2, 3), (1, -2, 3), (1, 2, -3), (-1, -2, 3), (-1, -2, -3)]
+    placements = np.array([np.diag([*scale, 1.0]) for scale in scales])
+    drawn = Solids(shape, placements, RED).placements
+    assert (np.linalg.det(drawn) > 0).all()
+    # The tip of a cone does not move.
+    np.testing.assert_array_equal(drawn[:, 2, 2], placements[:, 2, 2])
+    np.testing.assert_array_equal(np.abs(drawn), np.abs(placements))
