@@ -3,6 +3,29 @@
 # (program, last line of the error, hint below it)
 NODES = [
     (
+        "from rclpy.lifecycle import LifecycleNode\n"
+        "class Robot(LifecycleNode):\n    def on_configure(self):\n        pass\n"
+        "Robot('a').on_configure(None)",
+        "TypeError: Robot.on_configure() takes 1 positional argument but 2 were given",
+        "the callback gets the state before the transition: write `def on_configure(self, state)`.",
+    ),
+    (
+        "import random\nclass Robot(random):\n    pass",
+        "TypeError: module() takes at most 2 arguments (3 given)",
+        "random is a module: write a class of it in ( ), as in class Robot(Node): ….",
+    ),
+    (
+        "import sys\nspeed = float(sys.argv[20])",
+        "IndexError: list index out of range",
+        "the program needs arguments: course run FILE -- VALUES, or in a launch file, for its Node, "
+        "`arguments=['1.0', '2.0']`.",
+    ),
+    (
+        "from rclpy.action import ActionClient\nActionClient(String, '/an_action')",
+        "TypeError: ActionClient.__init__() missing 1 required positional argument: 'action_name'",
+        "the node comes first: `ActionClient(self, Fibonacci, '/an_action')`.",
+    ),
+    (
         "class Robot(Node):\n    def __init__(self):\n        super().__init__('a')\n"
         "        self.create_timer(0.1, self.executor)\n    def executor(self):\n"
         "        pass\nrclpy.spin_once(Robot())",
