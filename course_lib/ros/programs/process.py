@@ -135,7 +135,7 @@ class Program(Process):
         """Run the file, and print hints about its statements that do nothing."""
         super().run()
         # A file that ran nothing has got its hint.
-        for slip in () if self.exit_code or self._idle_hint else self._slips:
+        for slip in () if self._idle_hint else self._slips:
             sys.stderr.write(f"hint: {self.file.name}, {slip}\n")
 
     @property
@@ -187,11 +187,29 @@ _EFFECTS = {
 
 _VALUES = {"publish": "message", "sendTransform": "transform", "spin_once": "timeout_sec=0.1"}
 
+# Functions and methods whose results are conditions. Without ( ) such a condition is always true.
+_CONDITIONS = {
+    *("done", "wait_for_service", "service_is_ready", "wait_for_server", "server_is_ready"),
+    *("can_transform", "is_canceled", "is_ready", "is_alive", "is_set"),
+}
+
 
 def _find_slips(tree: ast.Module) -> Iterator[str]:
-    """Yield hints about statements that name a function without a call, and about targets of threads."""
+    """Yield hints about functions that are named without a call, and about targets of threads."""
+    own_attributes = {
+        node.attr
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store)
+    }
     for node in ast.walk(tree):
         match node:
+            case ast.While(test=test) | ast.If(test=test) | ast.Assert(test=test):
+                for part in test.values if isinstance(test, ast.BoolOp) else [test]:
+                    operand = part.operand if isinstance(part, ast.UnaryOp) else part
+                    text, name = ast.unparse(operand), getattr(operand, "attr", "")
+                    # Other objects have a field ok.
+                    if text == "rclpy.ok" or name in _CONDITIONS - own_attributes:
+                        yield f"line {operand.lineno} names {text} and does not call it. Write: {text}()"
             case ast.Expr(ast.Attribute(attr=name) | ast.Name(name)) if name in _EFFECTS:
                 text = ast.unparse(node.value)
                 value = "node" if text == "rclpy.spin" else _VALUES.get(name, "")

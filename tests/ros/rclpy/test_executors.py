@@ -407,6 +407,16 @@ def test_end_of_a_finite_wait_has_no_hint(
             "line 9 calls rclpy.spin here, and not in the thread. "
             "Write: Thread(target=rclpy.spin, args=(node,))",
         ),
+        (
+            "while rclpy.ok:\n    rclpy.spin(node)",
+            "line 8 names rclpy.ok and does not call it. Write: rclpy.ok()",
+        ),
+        (
+            "assert not (client := node.create_client(Trigger, 't')).service_is_ready()\n"
+            "if rclpy.ok() and not client.wait_for_service:\n    pass",
+            "line 9 names client.wait_for_service and does not call it. Write: client.wait_for_service()",
+        ),
+        ("node.done = False\nif node.done:\n    pass", ""),
         ("import threading\nthreading.Thread(target=node.destroy_node).start()", ""),
         ("node.destroy_node()", ""),
     ],
