@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+from course_lib.displays.panel.tools import all_tools, load_tools
 from course_lib.displays.viewer import Viewer
 from course_lib.ros.graph.graph import Graph
 from course_lib.ros.graph.topics import Qos
@@ -57,3 +58,14 @@ def test_viewer_without_a_layout_advertises_nothing(graph: Graph) -> None:
     viewer = Viewer()
     assert advertised(graph) == {}
     viewer.close()
+
+
+def test_all_unknown_tools_of_a_layout_have_one_hint() -> None:
+    known = {"Class": "rviz_default_plugins/SetGoal"}
+    names = ["rviz/Interact", "rviz/Measure"]
+    (hint,) = load_tools(all_tools(), [{"Class": names[0]}, known, {"Class": names[1]}])
+    expected = "There are no tools 'rviz/Interact', 'rviz/Measure'; the layout keeps the settings."
+    assert hint == expected
+    assert [*load_tools(all_tools(), [{"Class": names[0]}])] == [
+        "There is no tool 'rviz/Interact'; the layout keeps the settings."
+    ]

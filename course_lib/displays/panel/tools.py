@@ -156,13 +156,18 @@ def all_tools() -> tuple[Tool, ...]:
 def load_tools(tools: Iterable[Tool], configs: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Set the tools' properties from a layout, and yield the problems with it."""
     tools_by_class = {tool.class_name: tool for tool in tools}
+    unknown = list[str]()
     # In reverse order, so that the first tool of a class has precedence.
     for config in reversed(configs):
         class_name = text_at(config, "Class")
         if class_name in tools_by_class:
             yield from tools_by_class[class_name].load(config)
         else:
-            yield f"There is no tool {class_name!r}; the layout keeps its settings."
+            unknown.insert(0, repr(class_name))
+    if unknown:
+        # A layout of ROS 1 has eight of them.
+        subject = "is no tool" if len(unknown) == 1 else "are no tools"
+        yield f"There {subject} {', '.join(unknown)}; the layout keeps the settings."
 
 
 def advertise_tools(
