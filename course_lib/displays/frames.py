@@ -59,7 +59,9 @@ class Frames:
         complaints: tuple[str, ...] = ()
         self._known.clear()
         for message in transforms:
-            complaints += self.buffer.set_transform(Transform.from_message(message), is_static=is_static)
+            # RViz2 logs this authority: the C++ listener cannot determine the node.
+            transform = Transform.from_message(message)
+            complaints += self.buffer.set_transform(transform, "Authority undetectable", is_static)
         return complaints
 
     def transform(self, frame: str, stamp_ns: int = 0) -> Matrix | None:

@@ -69,6 +69,7 @@ def test_view_of_a_robot_whose_clock_was_set_back_recovers_by_a_reset() -> None:
 def test_transform_ignored_by_tf2_is_reported() -> None:
     (complaint,) = Frames("map").add_transforms([transform("map", "map")], is_static=False)
     assert complaint.startswith("TF_SELF_TRANSFORM")
+    assert 'from authority "Authority undetectable"' in complaint
 
 
 @pytest.mark.parametrize("rate", [50, 100, 1000])

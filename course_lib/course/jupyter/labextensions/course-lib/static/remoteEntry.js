@@ -220,6 +220,22 @@
     return image;
   }
 
+  /** Return the rows of rqt's topic monitor as a table: without its style sheet they have no columns. */
+  function tableOf(rows) {
+    const table = document.createElement("table");
+    for (const row of rows.querySelectorAll(".rqt-heads, .rqt-row")) {
+      const line = table.insertRow();
+      for (const { textContent } of row.querySelectorAll("span")) {
+        const cell = document.createElement(row.matches(".rqt-heads") ? "th" : "td");
+        cell.textContent = textContent.length > 60 ? `${textContent.slice(0, 60)}…` : textContent;
+        line.append(cell);
+      }
+      const value = row.nextElementSibling?.querySelector("pre"); // of a row that is unfolded
+      if (value) Object.assign(table.insertRow().insertCell(), { colSpan: line.cells.length }).append(value);
+    }
+    return table;
+  }
+
   /** Return what a panel of controls shows as HTML, with text in place of controls. */
   function htmlOf(panel) {
     const copy = panel.cloneNode(true);
@@ -242,6 +258,8 @@
       }
       button.remove();
     }
+    for (const rows of copy.querySelectorAll(".rqt-wide")) rows.replaceWith(tableOf(rows));
+    for (const cell of copy.querySelectorAll("td, th")) cell.style.textAlign = "left"; // JupyterLab's are right
     for (const svg of copy.querySelectorAll("svg:not(.rqt-icon)")) svg.replaceWith(imageOf(svg));
     for (const row of copy.querySelectorAll(".widget-hbox, .widget-inline-hbox, .course-slider"))
       Object.assign(row.style, { display: "flex", flexWrap: "wrap", gap: "2px 12px", alignItems: "baseline" });
