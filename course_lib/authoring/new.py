@@ -206,8 +206,8 @@ def new_course(title: str, inside: Path) -> Path:
     if not re.fullmatch(r"[a-z0-9_]+", slug(title)):
         raise CourseError(
             f"the title {title!r}: expected Latin letters or digits, because the name of the course's "
-            "package is made from it, and pip accepts no others. Use such a title, and then write the "
-            "other one as title into exercises/course.toml"
+            "package is made from it, and pip accepts no others. Use such a title, and then write "
+            "the other one as title into exercises/course.toml"
         )
     root = inside / slug(title)
     if root.exists():

@@ -250,8 +250,8 @@ def set_identity(text: str) -> str:
             stamped = stamp_exercises(state.folder, student)
         except OSError as error:
             raise CourseError(
-                f"Your ID {student} is stored, but not in your exercises. {error.filename} cannot be "
-                f"written: {error.strerror}. Correct that, then set your ID again."
+                f"Your ID {student} is stored, but not in your exercises. {error.filename} cannot "
+                f"be written: {error.strerror}. Correct that, then set your ID again."
             ) from None
         if stamped:
             where += f" and in {format_count(len(stamped), 'exercise')}"

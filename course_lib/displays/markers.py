@@ -460,8 +460,8 @@ _RULES = (
         lambda m: (
             m.type == _TRIANGLES and bool(m.texture_resource) and not m.texture_resource.startswith(_EMBEDDED)
         ),
-        "texture_resource is {m.texture_resource!r}: RViz2 draws a texture only if the name begins with "
-        "embedded:// and the field texture has the image.",
+        "texture_resource is {m.texture_resource!r}: RViz2 draws a texture only if the name begins "
+        "with embedded:// and the field texture has the image.",
     ),
     Rule(
         lambda m: m.type == _TRIANGLES and bool(m.texture_resource) and not _has_uv_per_point(m),

@@ -315,8 +315,8 @@ def _part(parsed: Any, index: int) -> _Ends:
         single = import_module("re._compiler").compile(parsed[index : index + 1])
         return lambda name, starts: {match.end() for s in starts if (match := single.match(name, s))}
     raise ValueError(
-        "a regular expression without references to groups like '\\1', lookbehind and atomic groups, "
-        "which the filters do not support"
+        "a regular expression without references to groups like '\\1', lookbehind and atomic "
+        "groups, which the filters do not support"
     )
 
 

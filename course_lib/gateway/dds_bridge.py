@@ -207,7 +207,8 @@ class DdsBridge:
         else:
             self._declared[entity.key] = self._zenoh.announce(declared)
         if entity.kind == "subscription" and entity.topic in self._sends:
-            # The publisher of a command is declared in advance, because the first command would be lost.
+            # The publisher of a command is declared in advance, because the first command would be
+            # lost.
             key = entity.topic, entity.type_name
             command = self._commands.get(key)
             if command is None:

@@ -180,7 +180,8 @@ class Advice:
         if not slip and not result.errors:
             slip = _missing_subscription_hint(task, code) or _late_timer_hint(task, source)
         if not slip and (too_much or not result.errors):
-            # A list that gets one item in each call is a reason only if a check found too many or old items.
+            # A list that gets one item in each call is a reason only if a check found too many or
+            # old items.
             failed = {
                 kind for check in result.checks if not check.passed for kind in check.mistake.split("; ")
             }
@@ -587,10 +588,10 @@ def _is_super_init(node: ast.AST) -> TypeGuard[ast.Call]:
 # Policies that a subscription requests and a publisher does not offer, with the value to pass
 # instead.
 _POLICIES = {
-    "RELIABILITY": "it is published with Best Effort, and your subscription requests Reliable, as each "
-    "number like 10 does. Pass qos_profile_sensor_data",
-    "DURABILITY": "it is published as Volatile, and your subscription requests Transient Local. Pass a "
-    "number like 10",
+    "RELIABILITY": "it is published with Best Effort, and your subscription requests Reliable, as "
+    "each number like 10 does. Pass qos_profile_sensor_data",
+    "DURABILITY": "it is published as Volatile, and your subscription requests Transient Local. "
+    "Pass a number like 10",
 }
 
 

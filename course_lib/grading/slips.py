@@ -551,8 +551,8 @@ def _waiting_loops(function: Function) -> Iterator[str]:
             case ast.While(test=test, body=body) if all(map(_is_wait, body)):
                 yield (
                     f'"while {ast.unparse(test)}" in {function.name} waits for messages, but the node '
-                    "receives none before the method ends: check once, with if, and return if it is too "
-                    "early."
+                    "receives none before the method ends: check once, with if, and return if it "
+                    "is too early."
                 )
 
 

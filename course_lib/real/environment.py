@@ -46,8 +46,8 @@ _CAUSES = tuple(
         ),
         (
             "certificate verify failed",
-            "your network replaces the certificate of the package index. Ask its administrators for "
-            "their certificate, then run `pip config set global.cert FILE`",
+            "your network replaces the certificate of the package index. Ask its administrators "
+            "for their certificate, then run `pip config set global.cert FILE`",
         ),
         ("ProxyError", "your proxy rejects the connection. Check HTTPS_PROXY and `pip config list`"),
         (
@@ -56,8 +56,8 @@ _CAUSES = tuple(
         ),
         (
             "No matching distribution found",
-            "the package index does not have this wheel. If your network has a login page, log in with "
-            "a browser. If `pip config list` shows another index, remove it",
+            "the package index does not have this wheel. If your network has a login page, log in "
+            "with a browser. If `pip config list` shows another index, remove it",
         ),
     )
 )
@@ -158,7 +158,8 @@ def default_folder() -> Path:
     """
     try:
         data = Path(os.environ.get("XDG_DATA_HOME", ""))
-        # The specification of XDG ignores a relative path, which would depend on the working folder.
+        # The specification of XDG ignores a relative path, which would depend on the working
+        # folder.
         data = data if data.is_absolute() else Path.home() / ".local" / "share"
     except RuntimeError as error:
         raise CourseError(

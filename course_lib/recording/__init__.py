@@ -443,7 +443,8 @@ def _sqlite(path: Path) -> Iterator[Sample]:
 
     with ExitStack() as stack:
         if log := _write_ahead_log(path):
-            # SQLite writes next to such a file even to read it, and the bag's folder may be read-only.
+            # SQLite writes next to such a file even to read it, and the bag's folder may be
+            # read-only.
             folder = stack.enter_context(TemporaryDirectory())
             for source in (path, log):
                 shutil.copyfile(source, Path(folder, source.name))
@@ -652,7 +653,8 @@ _LABEL = 19
 _SERVICES = "Service information: "
 # A service introspected by ROS 2 publishes messages of type PACKAGE/srv/NAME_Event on this topic.
 _EVENT_TOPIC, _EVENT = "/_service_event", "_Event"
-# The kind of an event, the client's id and its call's number, in CDR of service_msgs/msg/ServiceEventInfo.
+# The kind of an event, the client's id and its call's number, in CDR of
+# service_msgs/msg/ServiceEventInfo.
 _EVENT_HEAD = struct.Struct("4xB3x8x16s4x8s")
 _RESPONSE_SENT = 2
 _UNITS = ("B", "KiB", "MiB", "GiB", "TiB")

@@ -58,8 +58,8 @@ _HINTS = {
 _FEW_CALLS = 20
 # The number of frames of a buffer that a hint names.
 _MOST_FRAMES = 8
-# The table of attributes that rclpy lacks, whose patterns match "rclpy.time.Time.now", and the table
-# of patterns that match the failing line and the error.
+# The table of attributes that rclpy lacks, whose patterns match "rclpy.time.Time.now", and the
+# table of patterns that match the failing line and the error.
 _OF_RCLPY, _OF_LINES = "OfRclpy", "OfLines"
 
 

@@ -266,8 +266,8 @@ def _interface_hint(missing: str, package: str, kind: str) -> str:
         return ""
     if package in RENAMED or any((folder / package).is_dir() for folder in FOLDERS):
         return (
-            f"your package {package} has no file {kind}/{missing}.{kind}: write it, or import what the "
-            f"package has: {', '.join(kinds[kind])}."
+            f"your package {package} has no file {kind}/{missing}.{kind}: write it, or import what "
+            f"the package has: {', '.join(kinds[kind])}."
         )
     return f"`%ros2 interface package {package}` lists what {package} has."
 

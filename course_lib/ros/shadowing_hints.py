@@ -39,8 +39,8 @@ def outdated_hint(error: BaseException) -> str:
         methods = (method for method in vars(new).values() if isinstance(method, FunctionType))
         if hasattr(new, name) or any(name in method.__code__.co_names for method in methods):
             return (
-                f"this {old.__name__} was created before the cell of the class was run again: run the "
-                f"cell that creates it, with {old.__name__}(…), again."
+                f"this {old.__name__} was created before the cell of the class was run again: run "
+                f"the cell that creates it, with {old.__name__}(…), again."
             )
     return ""
 
@@ -56,8 +56,8 @@ def _replaced_function_hint(name: str, frame: FrameType, line: str) -> str:
     if not re.search(rf"(?<![.\w]){name}\(", line):
         return ""
     return (
-        f"{name} = … has replaced the function {name}, which is now {value!r:.30}: choose another name for "
-        f"the result, and run the cell with def {name} again."
+        f"{name} = … has replaced the function {name}, which is now {value!r:.30}: choose another "
+        f"name for the result, and run the cell with def {name} again."
     )
 
 

@@ -239,8 +239,8 @@ def _list_nodes(source: Source, arguments: Namespace, write: Write) -> None:
         return
     if len(set(names)) < len(names):
         sys.stderr.write(
-            "WARNING: Be aware that there are nodes in the graph that share an exact name, which can have "
-            "unintended side effects.\n"
+            "WARNING: Be aware that there are nodes in the graph that share an exact name, which "
+            "can have unintended side effects.\n"
         )
     write("".join(f"{name}\n" for name in names))
 

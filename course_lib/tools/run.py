@@ -142,8 +142,8 @@ def ros2_over(
         if words[:2] == ["bag", "play"]:
             folder = next((word for word in words[2:] if not word.startswith("-")), "FOLDER")
             raise CourseError(
-                f"A bag is played to programs that subscribe: course bag play {folder} --run program.py, or "
-                f"in a notebook %ros2 bag play {folder}"
+                f"A bag is played to programs that subscribe: course bag play {folder} --run "
+                f"program.py, or in a notebook %ros2 bag play {folder}"
             )
         examples = (f"course ros2 {where} {words[0]} …" for where in _WHERE)
         raise CourseError(f"Nothing to inspect. Write: {', or '.join(examples)}")

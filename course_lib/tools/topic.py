@@ -93,8 +93,8 @@ def match_qos(offered: list[Qos], preset: Qos, write: Write) -> Qos:
         if 0 < count < len(offered):
             policy = f"QoS{name.capitalize()}Policy."
             write(
-                f"Some, but not all, publishers are offering {policy}{strong.upper()}. Falling back to "
-                f"{policy}{weak.upper()} as it will connect to all publishers\n"
+                f"Some, but not all, publishers are offering {policy}{strong.upper()}. Falling "
+                f"back to {policy}{weak.upper()} as it will connect to all publishers\n"
             )
         common: dict[str, Any] = {name: strong if count == len(offered) else weak}
         qos = replace(qos, **common) if offered else qos

@@ -162,7 +162,8 @@ class Solids:
         with np.errstate(all="ignore"):
             is_mirrored = np.linalg.det(self.placements[:, :3, :3]) < 0
         if is_mirrored.any():
-            # A renderer would show the inner sides of mirrored faces. All shapes are symmetric in x.
+            # A renderer would show the inner sides of mirrored faces. All shapes are symmetric in
+            # x.
             self.placements = self.placements.copy()
             self.placements[is_mirrored, :3, 0] *= -1
             self.placements.setflags(write=False)

@@ -155,8 +155,8 @@ BY_ARGUMENT = (
     # ioctl: likewise, and TIOCSTI injects input into a terminal
     ((16, 29), 1, IF_EQUAL, (0x8901, 0x8902, 0x5412)),
     ((53, 199), 1, IF_ANY_BIT, (2,)),  # socketpair: datagrams can be sent to any socket
-    # setsockopt: SO_SNDBUF, SO_RCVBUF and both with FORCE. Buffers are the kernel's memory, which is
-    # in no process's sum, and each socket may have net.core.wmem_max, often 4 MB.
+    # setsockopt: SO_SNDBUF, SO_RCVBUF and both with FORCE. Buffers are the kernel's memory, which
+    # is in no process's sum, and each socket may have net.core.wmem_max, often 4 MB.
     ((54, 208), 2, IF_EQUAL, (7, 8, 32, 33)),
 )
 # Shared memory without a file outlives its mapping, so neither the limit of a process nor the sum

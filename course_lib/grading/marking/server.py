@@ -455,8 +455,8 @@ def submitted_code(submission: Submission, out: Path, task: Task | None) -> dict
     except CourseError as error:
         return {
             "cells": [],
-            "problem": f"The code can't be shown: {error} Has the folder of submissions been moved? "
-            "`course grade` with --resume finds it again.",
+            "problem": f"The code can't be shown: {error} Has the folder of submissions been "
+            "moved? `course grade` with --resume finds it again.",
         }
     is_unchanged = submission.sha256 in (content_hash(data, files), content_hash(data, {}))
     own_pattern = _own_line_pattern(task) if task else None

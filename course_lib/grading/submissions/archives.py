@@ -272,8 +272,8 @@ class ReceivedFileReader:
         if len(data) > remaining_bytes or self._files[owner] > MAX_UNPACKED_FILES:
             self._exhausted_owners.add(owner)
             raise CourseError(
-                f"all archives of {owner} together unpack to more than {MAX_UNPACKED_BYTES:,} bytes "
-                f"or {MAX_UNPACKED_FILES} files: this file and all later ones of {owner} are "
+                f"all archives of {owner} together unpack to more than {MAX_UNPACKED_BYTES:,} "
+                f"bytes or {MAX_UNPACKED_FILES} files: this file and all later ones of {owner} are "
                 "skipped"
             )
         return data

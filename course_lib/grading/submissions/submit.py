@@ -191,8 +191,8 @@ class NotebookReview:
         if last_check > datetime.now(UTC):
             # To save again would not help.
             yield (
-                f"the last check was at {_format_time(last_check)}, in the future: the clock of this "
-                f"computer was changed. Run: course check {_path_to_type(self._path)}"
+                f"the last check was at {_format_time(last_check)}, in the future: the clock of "
+                f"this computer was changed. Run: course check {_path_to_type(self._path)}"
             )
         else:
             yield (

@@ -101,8 +101,8 @@ def _compare_components(
         return
     for item, expected_item, part in zip(row, expected, parts, strict=True):
         for problem in compare(item, expected_item, tolerance, unit, f"the {part} of {name}", axes):
-            # The part is an item of a list. A task may have a hint for it. Otherwise the hint for the
-            # kind alone is used.
+            # The part is an item of a list. A task may have a hint for it. Otherwise the hint for
+            # the kind alone is used.
             kind = problem.mistake.replace("a list has the wrong length", NESTED_LENGTH)
             yield Problem(problem.message, f"{kind}: the {part}")
 

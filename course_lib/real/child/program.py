@@ -59,8 +59,8 @@ ORPHAN_SECONDS = 5
 # Its functions are called by C code, through ctypes.
 CALLBACKS = str(Path(__file__).with_name("late_types.py"))
 NOT_INSTALLED = (
-    "hint: {} is not in the environment of the real ROS 2, which has rclpy, its messages and numpy. "
-    "Run the program without --ros, or on a robot.\n"
+    "hint: {} is not in the environment of the real ROS 2, which has rclpy, its messages and "
+    "numpy. Run the program without --ros, or on a robot.\n"
 )
 NO_COURSE_LIB = "robots do not have course_lib, so `from course_lib import {}` fails there, too"
 
@@ -148,8 +148,8 @@ def add_kit(kit: Path) -> None:
         module = sys.modules[name] = ModuleType(name)
         module.__path__ = [str(kit / name.replace(".", "/"))]
     sys.modules["course_lib"].__getattr__ = raise_import_error  # type: ignore[method-assign]
-    # The kit's tf2_ros imports these modules, which belong to robot time. Here, threads wait in real
-    # time.
+    # The kit's tf2_ros imports these modules, which belong to robot time. Here, threads wait in
+    # real time.
     for name in ("course_lib.ros.time.time_lock", "course_lib.ros.graph.graph"):
         sys.modules[name] = sys.modules[__name__]
 

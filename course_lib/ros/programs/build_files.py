@@ -475,8 +475,8 @@ def _argument_after(keyword: str, arguments: list[str]) -> list[str]:
     return arguments[arguments.index(keyword) + 1 :][:1] if keyword in arguments else []
 
 
-# Text of a CMakeLists.txt in which parentheses have no meaning: a bracket argument, a bracket comment,
-# a comment, a quoted argument and an escaped character. Then the parentheses.
+# Text of a CMakeLists.txt in which parentheses have no meaning: a bracket argument, a bracket
+# comment, a comment, a quoted argument and an escaped character. Then the parentheses.
 _CMAKE_TOKEN = re.compile(r'#?\[(=*)\[.*?\]\1\]|#[^\n]*|"(?:\\.|[^"\\])*"|\\.|([()"])', re.S)
 _BUILT_BY = {"ament_python": "setup.py", "ament_cmake": "CMakeLists.txt", "cmake": "CMakeLists.txt"}
 _ONCE_IN_MANIFEST = ("name", "version", "description")

@@ -150,7 +150,8 @@ class ProgramThread:
     def interrupt(self) -> None:
         """Interrupt as Ctrl+C does: call the program's handler or raise KeyboardInterrupt."""
         handler = self.handlers.get(signal.SIGINT)
-        # rclpy's handler shuts down the contexts and then calls the program's one, if it can be called.
+        # rclpy's handler shuts down the contexts and then calls the program's one, if it can be
+        # called.
         hidden = hidden_handlers.get(signal.SIGINT)
         is_below_rclpy = hidden is not None and real_getsignal(signal.SIGINT) is hidden.handler
         if callable(handler):

@@ -61,8 +61,8 @@ class GenericAnalyzer:
         self._items = {status.name: (0, status) for status in missing}
         if not (self._starts or self._contains or self._patterns):
             raise ValueError(
-                f"GenericAnalyzer '{self.name}' was not initialized with any way of checking diagnostics."
-                f"Name: {path}, namespace: /\n"
+                f"GenericAnalyzer '{self.name}' was not initialized with any way of checking "
+                f"diagnostics.Name: {path}, namespace: /\n"
                 "hint: give it startswith, contains or regex; in Jazzy name and expected match nothing."
             )
 

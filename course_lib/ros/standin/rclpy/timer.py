@@ -275,8 +275,8 @@ class Rate:
             return
         self.__has_reminded = True
         say(
-            f"hint: {line_of_thread(sleeper).rstrip(':') or 'Rate.sleep()'}: the tick does not come, as no "
-            f"thread spins {node.full_name}. Spin it in a thread: "
+            f"hint: {line_of_thread(sleeper).rstrip(':') or 'Rate.sleep()'}: the tick does not "
+            f"come, as no thread spins {node.full_name}. Spin it in a thread: "
             "threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start(). Or use a "
             "timer, without a rate."
         )
