@@ -730,7 +730,8 @@ def _count_calls(recording: Recording, topic: str) -> str:
         if sample.topic == topic:
             if len(sample.cdr) < _EVENT_HEAD.size:
                 raise CourseError(
-                    f"An event on {topic} has only {len(sample.cdr)} bytes: it is not an event."
+                    f"An event on {topic} has {len(sample.cdr)} bytes, at least {_EVENT_HEAD.size} are "
+                    "expected, so its calls cannot be counted. Repeat the command without -v."
                 )
             kind, client, number = _EVENT_HEAD.unpack_from(sample.cdr)
             calls[kind >= _RESPONSE_SENT].add(client + number)

@@ -1,6 +1,7 @@
+import pytest
 from geometry_msgs.msg import PoseStamped
 
-from course_lib.real.check import compare, move_stamps
+from course_lib.real.check import are_equal_in_value, compare, move_stamps
 from course_lib.ros.graph.graph import START_NS, Sample
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize
@@ -45,6 +46,22 @@ def test_different_value_is_reported_with_its_field() -> None:
 def test_topic_on_one_side_only_has_no_pairs() -> None:
     (comparison,) = compare([], _samples([1.0], START_NS))
     assert str(comparison) == "/pose: kit 0, ROS 1 messages"
+
+
+@pytest.mark.parametrize(
+    ("count", "last", "is_equal"), [(10, 9.0, True), (8, 7.0, True), (7, 6.0, False), (10, 20.0, False)]
+)
+def test_messages_with_the_values_of_the_kit_differ_in_time_only(
+    count: int, last: float, is_equal: bool
+) -> None:
+    values = [float(number) for number in range(10)]
+    in_ros = _samples([*values[: count - 1], last], START_NS)
+    assert are_equal_in_value(compare(_samples(values, START_NS), in_ros)) == is_equal
+
+
+def test_missing_messages_are_not_equal_in_value() -> None:
+    assert not are_equal_in_value([])
+    assert not are_equal_in_value(compare(_samples([1.0], START_NS), []))
 
 
 def test_run_stamps_are_shifted_and_others_are_kept() -> None:

@@ -25,6 +25,9 @@ _BYTES = "Bytes that are not a message"
 _BYTES_AS_NAMES = "Names as bytes, `create_publisher(String, b'chatter', 10)`"
 _DDS_NAMES = "`get_topic_names_and_types(no_demangle=True)`"
 _ASSERTIONS = "Texts of assertions and of wrong types"
+_ENUMERATIONS = (
+    "Enumerations of rclpy's C++ code: TransitionCallbackReturn, QoSCompatibility, SignalHandlerOptions …"
+)
 _FOREVER, _FIELD = "Waiting forever", "A field of the wrong type"
 _NUMBERS = "Arrays of numbers"
 # By file and probe.
@@ -86,6 +89,11 @@ PROBES: dict[str, dict[str, Difference]] = {
         },
         "name.as_bytes": Difference(_BYTES_AS_NAMES, "TypeError: rclpy_resolve_name(): incompatible"),
         "name.of_dds": Difference(_DDS_NAMES, "False"),
+    },
+    "everyday": {
+        "managed.returns": Difference(_ENUMERATIONS, "[<TransitionCallbackReturnType.SUCCESS: 97>"),
+        "enumeration.list": Difference(_ENUMERATIONS, "3"),
+        "enumeration.item": Difference(_ENUMERATIONS, "KeyError: 'x'"),
     },
     "remaining": {
         "deprecated_module": Difference("The module `rclpy.qos_event`", "(0, ["),

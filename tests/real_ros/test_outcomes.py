@@ -1,6 +1,6 @@
 """The stand-in against frozen outcomes of the real rclpy, probe by probe.
 
-The probes of a file are one test. As a test each, the 4,760 probes were a quarter of all tests, and
+The probes of a file are one test. As a test each, the first 4,760 probes were a quarter of all tests, and
 every worker of a run collects all of them.
 """
 

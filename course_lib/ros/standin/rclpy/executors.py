@@ -392,6 +392,7 @@ class Executor(AbstractContextManager["Executor"]):
                 self._spin_once_impl(-1 if end_ns is None else end_ns - graph.now_ns, is_over)
                 if end_ns is not None and graph.now_ns >= end_ns:
                     return
+            self._course_raise_failed()
 
     def spin_once_until_future_complete(
         self,

@@ -49,7 +49,7 @@ _TIMES = {
 }
 
 
-class QoSCompatibility(Enum):
+class QoSCompatibility(IntEnum):
     """Whether a publisher can reach a subscription.
 
     At WARNING it depends on the middleware's defaults.
@@ -58,6 +58,8 @@ class QoSCompatibility(Enum):
     OK = 0
     WARNING = 1
     ERROR = 2
+
+    __str__ = Enum.__str__
 
 
 def qos_check_compatible(publisher_qos: Any, subscription_qos: Any) -> tuple[QoSCompatibility, str]:

@@ -44,6 +44,9 @@ class TransitionCallbackReturnType(Enum):
     FAILURE = Transition.TRANSITION_CALLBACK_FAILURE
     ERROR = Transition.TRANSITION_CALLBACK_ERROR
 
+    def __int__(self) -> int:
+        return self.value
+
     def to_label(self) -> str:
         """Return the label of the transition that follows this result."""
         return f"transition_{self.name.lower()}"
