@@ -1,5 +1,6 @@
 """Atomic writing of files and folders: each is complete or unchanged, however the program ends."""
 
+import errno
 import os
 import re
 import shutil
@@ -41,6 +42,9 @@ def write_atomically(path: Path, data: bytes, mode: int = 0o666) -> None:
     """
     draft = path.with_name(f".{path.name}.{os.getpid()}.draft")
     try:
+        # A rename would replace a device such as /dev/null by a file, for all programs.
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise OSError(errno.EINVAL, "Not a regular file")
         path.parent.mkdir(parents=True, exist_ok=True)
         # A leftover draft may have different permissions.
         draft.unlink(missing_ok=True)

@@ -37,6 +37,17 @@ def sweep_each_folder_again(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("course_lib.files._swept", set[Path]())
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no named pipes as files")
+def test_special_file_is_not_replaced(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to("pipe")
+    for name in ("pipe", "link"):
+        with pytest.raises(OSError, match="Not a regular file"):
+            write_atomically(tmp_path / name, b"new")
+    assert (tmp_path / "pipe").is_fifo()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["link", "pipe"]
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows ends programs without signals")
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
 def test_draft_folder_is_deleted_when_its_program_is_ended(name: str, tmp_path: Path) -> None:

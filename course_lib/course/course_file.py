@@ -280,7 +280,8 @@ def read_course_file(path: Path) -> CourseFile:
         errors = dict[str, _MisfitError]()
         for week in list(weeks) if isinstance(weeks, dict) else ():
             try:
-                _read(WeekSettings, weeks[week], ("weeks", week))
+                settings: WeekSettings = _read(WeekSettings, weeks[week], ("weeks", week))
+                _reject_clock_changes(settings, week, content.get("time_zone"))
             except _MisfitError as misfit:
                 errors[week] = misfit
                 del weeks[week]
@@ -293,6 +294,22 @@ def read_course_file(path: Path) -> CourseFile:
     except _MisfitError as error:
         raise CourseError(_locate(path, text, error)) from error
     return course
+
+
+def _reject_clock_changes(settings: WeekSettings, week: str, zone: object) -> None:
+    """Raise the error of a deadline or extension that the clocks of the course's zone skip or repeat."""
+    if not isinstance(zone, str) or zone not in available_timezones():
+        return
+    times = {("extensions", student): when for student, when in settings.extensions.items()}
+    times |= {("deadline", ""): settings.deadline} if settings.deadline else {}
+    for keys, when in times.items():
+        # `fold` selects the offset from UTC before or after a change of the clocks.
+        before, after = (when.replace(tzinfo=ZoneInfo(zone), fold=fold).timestamp() for fold in (0, 1))
+        if before != after:
+            happens = "does not exist" if before > after else "occurs twice"
+            example = when.replace(hour=23, minute=59, second=0).isoformat()
+            text = f"{when.isoformat()} {happens} in {zone}, because the clocks change. Write {example}"
+            raise _MisfitError(("weeks", week, *filter(None, keys)), f"{text}, or another time of that day")
 
 
 def shipped_course_file() -> CourseFile:

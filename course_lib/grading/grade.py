@@ -271,8 +271,11 @@ def grade(
 
     Raises:
         RecordsWriteError: `out` can't be written.
-        CourseError: Nothing can be graded.
+        CourseError: Nothing can be graded, or `out` is inside `submissions`.
     """
+    if out.resolve().is_relative_to(submissions.resolve()):
+        reason = "its results would be submissions of the next grading"
+        raise CourseError(f"{out} is inside {submissions}: {reason}. Choose another folder: --out DIR")
     course = course or store.this_course()
     course = replace(course, sandbox=need, private_folders=(submissions, out))
     found_submissions = _find(submissions, course)

@@ -167,3 +167,24 @@ def test_check_file_that_ends_the_program_is_reported(course: Course) -> None:
     path.write_text(path.read_text() + "import sys\nsys.exit(0)\n")
     with pytest.raises(CourseError, match=r"week01\.py line \d+: SystemExit: 0"):
         load_catalog(course.exercises).tasks_of_week("week01")
+
+
+@pytest.mark.parametrize(
+    ("time", "reason"),
+    [
+        ("2026-03-29T02:30:00", "does not exist in Europe/Paris"),
+        ("2026-10-25T02:30:00", "occurs twice in Europe/Paris"),
+        ("2026-10-25T03:00:00", ""),
+        ("2026-03-29T01:59:59", ""),
+    ],
+)
+def test_deadline_that_the_clocks_skip_or_repeat_is_rejected(course: Course, time: str, reason: str) -> None:
+    path = course.exercises / "course.toml"
+    path.write_text(path.read_text().replace("2026-10-11T23:59:00", time))
+    fault = read_course_file(path).faults.get("week01", "")
+    assert fault.startswith(f"{path} line 9: weeks: week01: deadline: {time} {reason}") == bool(reason)
+    assert bool(fault) == bool(reason)
+    if reason:
+        assert fault.endswith(
+            f"because the clocks change. Write {time[:11]}23:59:00, or another time of that day"
+        )

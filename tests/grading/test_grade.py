@@ -252,6 +252,15 @@ def test_folder_without_submissions_is_rejected(course: Course, tmp_path: Path, 
         grade(tmp_path / name, tmp_path / "out", course=course)
 
 
+def test_out_folder_inside_the_submissions_is_rejected(course: Course, tmp_path: Path) -> None:
+    submissions = tmp_path / "in"
+    (submissions / "ada").mkdir(parents=True)
+    for out in (submissions, submissions / "graded", submissions / "ada/../graded"):
+        with pytest.raises(CourseError, match=r"is inside .*Choose another folder: --out DIR"):
+            grade(submissions, out, jobs=1, course=course)
+    assert [path.name for path in submissions.iterdir()] == ["ada"]
+
+
 def test_unwritable_out_folder_is_reported_before_grading(
     course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
 ) -> None:
