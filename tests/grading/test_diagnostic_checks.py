@@ -140,6 +140,20 @@ def test_facts_that_are_not_a_dict_are_reported(evidence: MakeEvidence, returned
     assert message == f"{what} was returned, expected a dict with the key 'threshold'"
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("trigger_service", "/robot/home_gripper [std_srvs/srv/Trigger]"),
+        ("threshold", "Double value is: 0.7"),
+    ],
+)
+def test_pasted_line_with_the_fact_in_it_is_reported(evidence: MakeEvidence, name: str, value: str) -> None:
+    message = expect_fact(name, serial=23).judge(evidence(returns=({name: value},))).message
+    assert message.endswith(": copy only the value from it")
+    message = expect_fact(name, serial=11).judge(evidence(returns=({name: value},))).message
+    assert "your robot has another value" in message
+
+
 @pytest.mark.parametrize("value", ["best effort", "Best-Effort", "best_effort"])
 def test_fact_in_another_spelling_is_reported(evidence: MakeEvidence, value: str) -> None:
     message = (

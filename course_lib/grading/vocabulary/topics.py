@@ -538,5 +538,10 @@ def expect_fact(evidence: Evidence, name: str, *, serial: int) -> Iterable[Probl
     if isinstance(value, str) and any(is_fact(serial, name, text) for text in _other_spellings(value)):
         message = f"{name} is {value!r}: {TOOLS[name]} spells it differently, letter by letter"
         return [Problem(message, "a fact about the robot is wrong")]
+    words = value.split()[:5] if isinstance(value, str) else []
+    numbers = [float(word) for word in words if re.fullmatch(r"\d*\.?\d+", word)]
+    if any(is_fact(serial, name, part) for part in (*words, *numbers)):
+        message = f"{name} is {value!r}, a line of {TOOLS[name]}: copy only the value from it"
+        return [Problem(message, "a fact about the robot is wrong")]
     message = f"{name} is {facts[name]!r}, but your robot has another value. Check with {TOOLS[name]}"
     return [Problem(message, "a fact about the robot is wrong")]
