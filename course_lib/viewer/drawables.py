@@ -528,9 +528,13 @@ def _normals(mesh: Any, transform_mesh_to_file: Matrix) -> Matrix:
 def _colors(part: Any) -> Float32s:
     """Return the colors of a part's vertices, shape (V, 4): vertex colors, or the material's color."""
     visual, colors = part.visual, _PLAIN
-    if visual.kind == "texture" and getattr(visual.material, "image", None) and visual.uv is not None:
-        # The colors are sampled from the texture.
-        visual = visual.to_color()
+    if visual.kind == "texture":
+        # OBJ has simple materials, and DAE those of physically based rendering.
+        material = visual.material
+        image = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
+        if image is not None and visual.uv is not None:
+            # The colors are sampled from the texture.
+            visual = visual.to_color()
     if visual.kind == "vertex":
         colors = visual.vertex_colors / np.float32(255)
     elif visual.kind == "texture":

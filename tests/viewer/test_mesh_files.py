@@ -107,6 +107,36 @@ def test_texture_is_sampled_at_the_vertices(tmp_path: Path) -> None:
     assert by_x == {0.0: [1, 0, 0, 1], 1.0: [0, 0, 1, 1]}
 
 
+def test_texture_of_dae_is_sampled_at_the_vertices(tmp_path: Path) -> None:
+    picture = Image.new("RGB", (8, 8), (255, 0, 0))
+    picture.paste((0, 0, 255), (4, 0, 8, 8))
+    picture.save(tmp_path / "half.png")
+    sampler = (
+        '<newparam sid="a"><surface type="2D"><init_from>i</init_from></surface></newparam>'
+        '<newparam sid="b"><sampler2D><source>a</source></sampler2D></newparam><technique sid="c">'
+    )
+    image = '<library_images><image id="i"><init_from>half.png</init_from></image></library_images>'
+    places = (
+        '<source id="t"><float_array id="g" count="8">0.1 0.5 0.9 0.5 0.9 0.6 0.1 0.6</float_array>'
+        '<technique_common><accessor source="#g" count="4" stride="2"><param name="S" type="float"/>'
+        '<param name="T" type="float"/></accessor></technique_common></source><vertices id="v">'
+    )
+    text = (
+        DAE.replace("<library_effects>", f"{image}<library_effects>")
+        .replace('<technique sid="c">', sampler)
+        .replace("<color>1 0.5 0 1</color>", '<texture texture="b" texcoord="t"/>')
+        .replace('<vertices id="v">', places)
+        .replace("<vcount>", '<input semantic="TEXCOORD" source="#t" offset="0"/><vcount>')
+    )
+    (tmp_path / "quad.dae").write_text(text)
+    mesh = load_mesh(tmp_path / "quad.dae")
+    colors = {(round(float(v[0])), *c) for v, c in zip(mesh.vertices, mesh.colors.tolist(), strict=True)}
+    assert colors == {(0, 1, 0, 0, 1), (2, 0, 0, 1, 1)}
+    (tmp_path / "half.png").unlink()
+    drawables.parse_mesh.cache_clear()
+    assert (load_mesh(tmp_path / "quad.dae").colors == 1).all()
+
+
 def test_missing_texture_prints_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "m.mtl").write_text("newmtl m\nmap_Kd gone.png\n")
     corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.1 0.5\nvt 0.9 0.5\nvt 0.2 0.9"
