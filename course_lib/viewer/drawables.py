@@ -398,7 +398,7 @@ logging.getLogger("trimesh").addHandler(logging.NullHandler())
 # A mesh of trimesh, and the transform from it to the file's frame.
 Part: TypeAlias = tuple[Any, Matrix]
 
-FORMATS = ("dae", "stl", "obj")
+FORMATS = ("dae", "stl", "obj", "ply")
 
 # Material bindings of a DAE file. pycollada drops parts with a broken material, RViz does not.
 _PAINT = re.compile(rb"<bind_material>.*?</bind_material>", re.S)
@@ -441,7 +441,7 @@ def subdivide(points: Reals, coordinates: Reals, most_steps: int) -> Surface:
 
 
 def load_mesh(path: Path) -> Mesh:
-    """Read a DAE, STL or OBJ file. As in RViz, its unit is applied, but not its up axis.
+    """Read a DAE, STL, OBJ or PLY file. As in RViz, its unit is applied, but not its up axis.
 
     Raises:
         MeshFileError: It is not such a file, or is damaged.
@@ -526,17 +526,17 @@ def _normals(mesh: Any, transform_mesh_to_file: Matrix) -> Matrix:
 
 
 def _colors(part: Any) -> Float32s:
-    """Return the colors of a part's vertices, shape (V, 4): vertex colors, or the material's color."""
+    """Return the colors of a part's vertices, shape (V, 4): of its texture, or of its material.
+
+    RViz ignores the colors of vertices.
+    """
     visual, colors = part.visual, _PLAIN
     if visual.kind == "texture":
         # OBJ has simple materials, and DAE those of physically based rendering.
         material = visual.material
         image = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
         if image is not None and visual.uv is not None:
-            # The colors are sampled from the texture.
-            visual = visual.to_color()
-    if visual.kind == "vertex":
-        colors = visual.vertex_colors / np.float32(255)
-    elif visual.kind == "texture":
-        colors = visual.material.main_color / np.float32(255)
+            colors = visual.to_color().vertex_colors / np.float32(255)
+        else:
+            colors = material.main_color / np.float32(255)
     return np.broadcast_to(colors, (len(part.vertices), 4))

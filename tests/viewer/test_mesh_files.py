@@ -151,17 +151,28 @@ def test_missing_texture_prints_nothing(tmp_path: Path, capsys: pytest.CaptureFi
     assert capsys.readouterr() == ("", "")
 
 
+def test_ply_is_read_without_the_colors_of_its_vertices() -> None:
+    properties = [f"property float {axis}" for axis in "xyz"]
+    properties += [f"property uchar {name}" for name in ("red", "green", "blue")]
+    head = ["ply", "format ascii 1.0", "element vertex 3", *properties, "element face 1"]
+    corners = [f"{x} {y} {z} 255 0 0" for x, y, z in CORNERS]
+    lines = [*head, "property list uchar int vertex_index", "end_header", *corners, "3 0 1 2\n"]
+    mesh = parse_mesh("\n".join(lines).encode(), "ply")
+    assert mesh.vertices.tolist() == CORNERS
+    np.testing.assert_allclose(mesh.colors, [[0.7, 0.7, 0.7, 1.0]] * 3, atol=1e-6)
+
+
 def test_requested_color_replaces_the_color_in_the_file() -> None:
     assert parse_mesh(DAE.encode(), "dae", (0, 0, 1, 0.5)).colors.tolist() == [0, 0, 1, 0.5]
 
 
-@pytest.mark.parametrize("file_format", ["dae", "stl", "obj"])
+@pytest.mark.parametrize("file_format", ["dae", "stl", "obj", "ply"])
 def test_broken_file_is_rejected_with_an_error_message(file_format: str) -> None:
     with pytest.raises(MeshFileError, match=f"not a readable {file_format.upper()} file"):
         parse_mesh(b"v 1 2\n<not any of these", file_format)
 
 
-@pytest.mark.parametrize("file_format", ["dae", "stl", "obj"])
+@pytest.mark.parametrize("file_format", ["dae", "stl", "obj", "ply"])
 def test_mesh_that_git_lfs_has_not_fetched_is_reported(file_format: str) -> None:
     pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9990\n"
     with pytest.raises(MeshFileError, match=r"pointer of Git LFS .*: git lfs install, then git lfs pull\."):
@@ -173,7 +184,7 @@ def test_missing_files_and_unknown_formats_are_rejected_with_their_name(tmp_path
         load_mesh(tmp_path / "gone.stl")
     (tmp_path / "mesh.blend").write_bytes(b"")
     with pytest.raises(
-        MeshFileError, match="'blend' is not a supported mesh format; use one of dae, stl, obj"
+        MeshFileError, match="'blend' is not a supported mesh format; use one of dae, stl, obj, ply"
     ):
         load_mesh(tmp_path / "mesh.blend")
 
