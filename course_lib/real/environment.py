@@ -207,7 +207,7 @@ def install(report: Callable[[str], None]) -> RealEnvironment:
         with _only_installer(environment) as lock:
             try:
                 _check_disk(folder)
-                report(f"Installing the real ROS 2 into {folder}: {SIZE}, up to a minute.")
+                report(f"Installing the real ROS 2 into {folder}: {SIZE}, one to three minutes.")
                 _create(folder, lock)
                 environment.incomplete_mark.unlink()
                 environment = RealEnvironment(environment.python)
