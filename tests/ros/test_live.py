@@ -4,6 +4,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from contextvars import ContextVar, copy_context
 
 import pytest
 import rclpy
@@ -243,6 +244,27 @@ def test_run_state_is_not_sent_repeatedly_without_an_open_page(
     monkeypatch.setattr(driving, "RECENTLY", 0.0)
     in_a_kernel(lambda: run_live(node), monkeypatch, until=lambda: len(received) > shown + 10)
     assert "goes on" not in received[-1]
+
+
+def test_output_of_live_nodes_is_shown_in_the_newest_live_cell(
+    notebook: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Jupyter finds the cell of an output in a context variable, as here."""
+    cell_number: ContextVar[int] = ContextVar("cell_number")
+    printed: list[tuple[str, int]] = []
+
+    def run_cell(number: int, name: str) -> None:
+        cell_number.set(number)
+        node = Node(name)
+        node.create_timer(0.05, lambda: printed.append((name, cell_number.get())))
+        run_live(node)
+
+    def run_cells() -> None:
+        for number, name in enumerate(("talker", "listener")):
+            copy_context().run(run_cell, number, name)
+
+    in_a_kernel(run_cells, monkeypatch, until=lambda: len(printed) > 6)
+    assert set(printed) == {("talker", 1), ("listener", 1)}
 
 
 def test_live_node_that_a_newer_one_replaces_gets_no_hint_about_a_spin(

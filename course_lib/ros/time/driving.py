@@ -275,9 +275,15 @@ class _LiveRuns:
     runs: list[LiveRun] = field(default_factory=list)
     task: "asyncio.Task[None] | None" = None
 
-    def drive(self, graph: Graph) -> None:
-        """Start to drive the graph between the cells, unless a task already does so."""
-        if self.task is None or self.task.done():
+    def drive(self, graph: Graph, *, from_this_cell: bool = False) -> None:
+        """Start to drive the graph between the cells, unless a task already does so.
+
+        Jupyter shows the output of a task in the cell that started it. `from_this_cell` replaces a
+        task of an earlier cell, where nobody would look for the output of new nodes.
+        """
+        if self.task is not None and from_this_cell:
+            self.task.cancel()
+        if self.task is None or self.task.done() or from_this_cell:
             self.task = asyncio.get_running_loop().create_task(_LiveLoop(graph).run())
 
     def stop_finished_runs(self) -> None:
@@ -325,7 +331,7 @@ def start_live_run(run: LiveRun) -> LiveRun:
     running_nodes().extend(run.nodes)
     if pace.mode() == "real":
         run.show()
-        live.drive(graph)
+        live.drive(graph, from_this_cell=True)
     return run
 
 
