@@ -4,7 +4,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from contextvars import ContextVar, copy_context
+from contextvars import ContextVar
 
 import pytest
 import rclpy
@@ -261,7 +261,7 @@ def test_output_of_live_nodes_is_shown_in_the_newest_live_cell(
 
     def run_cells() -> None:
         for number, name in enumerate(("talker", "listener")):
-            copy_context().run(run_cell, number, name)
+            run_cell(number, name)
 
     in_a_kernel(run_cells, monkeypatch, until=lambda: len(printed) > 6)
     assert set(printed) == {("talker", 1), ("listener", 1)}
