@@ -256,7 +256,7 @@ def test_output_of_live_nodes_is_shown_in_the_newest_live_cell(
     def run_cell(number: int, name: str) -> None:
         cell_number.set(number)
         node = Node(name)
-        node.create_timer(0.05, lambda: printed.append((name, cell_number.get())))
+        node.create_timer(0.05, lambda: printed.append((name, cell_number.get(-1))))
         run_live(node)
 
     def run_cells() -> None:
