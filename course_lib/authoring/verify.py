@@ -82,7 +82,7 @@ class WeekRehearsals:
         self._cells = cells_of(self._solution)
         self._answers = read_answers(course.solutions, week)
         # Fraction of the task's points that each wrong answer earns.
-        self.kept: dict[str, float] = {}
+        self.earned_fractions: dict[str, float] = {}
         self._failed: set[Key] = set()
         self._checks: dict[Key, CheckResult] = {}
         self._locations = {
@@ -220,7 +220,7 @@ class WeekRehearsals:
             place = location_of(self._answers.path, says or "")
             if says is None:
                 continue
-            self.kept[f"{result.task}: {name}"] = result.fraction
+            self.earned_fractions[f"{result.task}: {name}"] = result.fraction
             if result.errors or result.score >= result.points or not failure_text(result, hidden=True):
                 outcome = [*result.errors, f"{result.score:g} of {result.points:g} points"][0]
                 text = f"{result.task}: {name}: {outcome}, expected failing public and hidden checks"
@@ -247,7 +247,7 @@ class WeekRehearsals:
                 (last,) = single_result.results
                 flaws = list(edit.look(last))
             if not edit.is_right:
-                self.kept[edit.name] = last.fraction
+                self.earned_fractions[edit.name] = last.fraction
             yield from flaws
 
     def _find_crashes(self) -> Iterator[Flaw]:
@@ -358,14 +358,14 @@ class WeekReport:
         flaws: The flaws that were found.
         unchecked: The aspects that could not be checked.
         placeholders: Number of remaining template placeholders by file.
-        kept: Fraction of the task's points that each wrong answer earns.
+        earned_fractions: Fraction of the task's points that each wrong answer earns.
     """
 
     week: str
     flaws: tuple[Flaw, ...]
     unchecked: frozenset[str] = frozenset()
     placeholders: Mapping[str, int] = field(default_factory=dict)
-    kept: Mapping[str, float] = field(default_factory=dict)
+    earned_fractions: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def placeholder_count(self) -> int:
@@ -447,7 +447,7 @@ def _verify_week(week: str, course: Course, pool: Executor) -> WeekReport:
         if not flaws_of_files:
             rehearsals = WeekRehearsals(week, course, pool)
             flaws += rehearsals.flaws()
-            return WeekReport(week, tuple(flaws), kept=rehearsals.kept)
+            return WeekReport(week, tuple(flaws), earned_fractions=rehearsals.earned_fractions)
     except CourseError as error:
         flaws_of_files = [Flaw("files", str(error))]
     return WeekReport(week, (*flaws_of_files, *flaws), UNKNOWN)
@@ -534,10 +534,11 @@ def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
         for r in reports
         for place, count in r.placeholders.items()
     ]
-    for report in (report for report in reports if report.kept):
+    for report in (report for report in reports if report.earned_fractions):
         # The median and the maximum of the points that wrong answers earn.
-        name, kept = max(report.kept.items(), key=lambda item: item[1])
-        count, middle = format_count(len(report.kept), "wrong answer"), median(report.kept.values())
+        name, kept = max(report.earned_fractions.items(), key=lambda item: item[1])
+        count = format_count(len(report.earned_fractions), "wrong answer")
+        middle = median(report.earned_fractions.values())
         output.append(
             f"{report.week}: {count} keep {middle:.2f} of their task's points in the median, "
             f"at most {kept:.2f} ({name})"

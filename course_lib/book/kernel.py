@@ -233,7 +233,7 @@ class _LiveScene:
 
     def follow(self) -> None:
         """Extend the scene to the current time, unless it has its maximum duration already."""
-        recording = self.viewer.film
+        recording = self.viewer.scene_recording
         # The robot time was reset in between.
         if recording.time < self.since:
             self.since = self.end = recording.time
@@ -244,7 +244,7 @@ class _LiveScene:
     def pack(self, interval: float) -> bytes:
         """Return its recording, packed for pages, with pictures at an interval [s]."""
         seconds = min(self.end - self.since + BEFORE, SECONDS)
-        return self.viewer.film.pack(seconds, self.end, interval)
+        return self.viewer.scene_recording.pack(seconds, self.end, interval)
 
 
 @dataclass(frozen=True)
@@ -276,7 +276,7 @@ class Scenes:
     def add_viewer(self, viewer: Viewer) -> dict[str, Any]:
         """Start the scene of a viewer and return the HTML that its cell displays."""
         self.end()
-        name, summary, recording = self._next(), viewer.summary(), viewer.film
+        name, summary, recording = self._next(), viewer.summary(), viewer.scene_recording
         self._live_scene = _LiveScene(name, viewer, recording.time, recording.time, copy_of(recording.scene))
         return self._scene_html(name, summary)
 
@@ -307,7 +307,7 @@ class Scenes:
         WATCHED seconds.
         """
         if self._live_scene is not None:
-            if not self._live_scene.viewer.film.duration and live_runs(current_graph()):
+            if not self._live_scene.viewer.scene_recording.duration and live_runs(current_graph()):
                 spin_for(WATCHED)
             self._live_scene.follow()
 

@@ -38,7 +38,7 @@ class Refresh:
     # Files that the student has not edited, so they were replaced by the new release.
     updated: tuple[str, ...] = ()
     # Files that the student has edited, so the new version was written next to each of them.
-    beside: tuple[str, ...] = ()
+    kept: tuple[str, ...] = ()
 
     def lines(self) -> list[str]:
         """Return the report, a line per kind of change."""
@@ -47,7 +47,7 @@ class Refresh:
             for label, names in (
                 ("new", self.added),
                 ("updated", self.updated),
-                ("you edited these, so the new version is next to yours", self.beside),
+                ("you edited these, so the new version is next to yours", self.kept),
             )
             if names
         ]
@@ -106,7 +106,7 @@ def prepare(folder: Path) -> Refresh:
 def _refresh(folder: Path) -> Refresh:
     state = State(folder)
     shipped = state.section("shipped")
-    added, updated, beside = [], [], []
+    added, updated, kept = [], [], []
     for name, newest in shipped_files().items():
         own_file, release = folder / name, content_hash(newest)
         if not own_file.exists():
@@ -118,10 +118,10 @@ def _refresh(folder: Path) -> Refresh:
                 _write(newest, own_file)
             else:
                 place = _free_name(own_file)
-                beside.append(place.name)
+                kept.append(place.name)
                 _write(newest, place)
         state.put("shipped", name, release)
-    return Refresh(tuple(added), tuple(updated), tuple(beside))
+    return Refresh(tuple(added), tuple(updated), tuple(kept))
 
 
 def _write(source: Path, target: Path) -> None:

@@ -248,7 +248,7 @@ class SceneControl:
     # The orientation of the control: columns are x, y and z.
     axes: Matrix
     # Rotation about x by dragging [rad].
-    turned: float = 0.0
+    rotation_angle: float = 0.0
 
     def orientation(self, pose: Matrix, camera: Matrix) -> Matrix:
         """Return the orientation of the control's frame in the reference frame, shape (3, 3)."""
@@ -256,8 +256,8 @@ class SceneControl:
         if mode == motion.INHERIT:
             return pose[:3, :3]
         if mode == motion.FIXED:
-            return motion.rotation(self.axes[:, 0], self.turned)
-        return motion.facing(self.axes, camera, self.turned)
+            return motion.rotation(self.axes[:, 0], self.rotation_angle)
+        return motion.facing(self.axes, camera, self.rotation_angle)
 
     def marker_pose(self, pose: Matrix, camera: Matrix) -> Matrix:
         """Return the pose of the control's markers, shape (4, 4)."""
@@ -310,7 +310,7 @@ class SceneMarker:
 
     def show(self, message: motion.Message) -> None:
         """Draw a message, replacing an earlier one."""
-        angles = {control.message.name: control.turned for control in self.controls}
+        angles = {control.message.name: control.rotation_angle for control in self.controls}
         self.message = message
         self._context.scene.delete(self.path)
         self._set_pose(message.header, message.pose)
@@ -370,7 +370,7 @@ class SceneMarker:
         if self._drag.pose is before.pose:
             return
         self._pose = self._drag.pose
-        self._pressed_control.turned += self._drag.turned - before.turned
+        self._pressed_control.rotation_angle += self._drag.rotation_angle - before.rotation_angle
         self._place_controls()
         self.report(POSE_UPDATE, self._pressed_control, None)
 
@@ -721,7 +721,7 @@ def _pointer(order: UseControl) -> motion.Pointer:
         direction=direction / np.linalg.norm(direction),
         axes=motion.axes_of(Camera(order.eye, order.target, order.up)),
         pixel=order.pixel,
-        flat=bool(order.scale),
+        is_orthographic=bool(order.scale),
     )
 
 

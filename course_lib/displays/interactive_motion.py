@@ -207,7 +207,7 @@ class Pointer:
     pixel: float
     # Whether there is no perspective: the origin moves with the pointer, and the direction is
     # constant.
-    flat: bool
+    is_orthographic: bool
 
     def transformed_to(self, transform: Matrix) -> "Pointer":
         """Transform the pointer to another frame."""
@@ -218,13 +218,13 @@ class Pointer:
     @property
     def image_position(self) -> Floats:
         """The position of the pointer in the image, right and up, in pixels from a fixed point."""
-        right, up, depth = self.axes @ (self.origin if self.flat else self.direction)
-        return np.array([right, up]) / (self.pixel if self.flat else self.pixel * depth)
+        right, up, depth = self.axes @ (self.origin if self.is_orthographic else self.direction)
+        return np.array([right, up]) / (self.pixel if self.is_orthographic else self.pixel * depth)
 
     def shifted(self, right: float, up: float) -> "Pointer":
         """Return the pointer moved by some pixels."""
         step = self.pixel * (right * self.axes[0] + up * self.axes[1])
-        if self.flat:
+        if self.is_orthographic:
             return replace(self, origin=self.origin + step)
         direction = self.direction / (self.axes[2] @ self.direction) + step
         return replace(self, direction=direction / np.linalg.norm(direction))
@@ -237,17 +237,19 @@ class Pointer:
 
     def nearest_on_line(self, point: Floats, direction: Floats) -> Floats | None:
         """Return the point of a line that appears nearest to the pointer; None for a line along the ray."""
-        depth = 1.0 if self.flat else float(self.axes[2] @ (point - self.origin))
+        depth = 1.0 if self.is_orthographic else float(self.axes[2] @ (point - self.origin))
         if depth < _TINY:
             return None
         start_in_view = self.axes @ (point - self.origin)
         along = self.axes @ direction
-        slope = along[:2] - (0 if self.flat else start_in_view[:2] * along[2] / depth)
+        slope = along[:2] - (0 if self.is_orthographic else start_in_view[:2] * along[2] / depth)
         slope /= depth * self.pixel
         if slope @ slope < 1e-6:
             return None
         ray = self.axes @ self.direction
-        start = start_in_view[:2] / (depth * self.pixel) - (0 if self.flat else ray[:2] / ray[2] / self.pixel)
+        start = start_in_view[:2] / (depth * self.pixel) - (
+            0 if self.is_orthographic else ray[:2] / ray[2] / self.pixel
+        )
         # The pixel of the line in the image that is nearest to the pointer, and the point of the
         # line that is nearest to the ray through this pixel.
         nearest = self.shifted(*(start - slope * (start @ slope) / (slope @ slope)))
@@ -258,7 +260,7 @@ class Pointer:
         offset = point - nearest.origin
         distance = (float(offset @ nearest.direction) * across - float(offset @ direction)) / bottom
         crossing = point + distance * direction
-        is_ahead = self.flat or float(nearest.axes[2] @ (crossing - nearest.origin)) > 0
+        is_ahead = self.is_orthographic or float(nearest.axes[2] @ (crossing - nearest.origin)) > 0
         return crossing if is_ahead else None
 
 
@@ -269,8 +271,7 @@ class Drag:
     mode: int
     # The orientation of the control when it was pressed: columns are x, y and z.
     axes: Matrix
-    # Pressed point.
-    grab: Floats
+    grabbed_point: Floats
     # Pose of the marker at the start of the drag, shape (4, 4).
     start: Matrix
     # The pointer at the start, at the last change of a modifier key, or at the last relative
@@ -279,7 +280,7 @@ class Drag:
     # Current pose of the marker, shape (4, 4).
     pose: Matrix
     # Rotation since the start [rad].
-    turned: float = 0.0
+    rotation_angle: float = 0.0
     # Whether this modifier key is held.
     shift: bool = False
     ctrl: bool = False
@@ -289,10 +290,10 @@ class Drag:
         drag = self
         if (shift, ctrl) != (self.shift, self.ctrl):
             # Another key changes the kind of motion, so the drag starts again at the current pose.
-            grab = self.grab + self.pose[:3, 3] - self.start[:3, 3]
+            grab = self.grabbed_point + self.pose[:3, 3] - self.start[:3, 3]
             hit = pointer.intersect_plane(grab, pointer.axes[2])
             grab = grab if hit is None else hit
-            drag = replace(self, grab=grab, start=self.pose, pointer=pointer, shift=shift, ctrl=ctrl)
+            drag = replace(self, grabbed_point=grab, start=self.pose, pointer=pointer, shift=shift, ctrl=ctrl)
         return _MOVES[drag.mode](drag, pointer) if drag.mode in _MOVES else drag
 
 
@@ -300,13 +301,13 @@ Move: TypeAlias = Callable[[Drag, Pointer], Drag]
 
 
 def _move_axis(drag: Drag, pointer: Pointer) -> Drag:
-    nearest = pointer.nearest_on_line(drag.grab, drag.axes[:, 0])
-    return drag if nearest is None else _shift(drag, nearest - drag.grab)
+    nearest = pointer.nearest_on_line(drag.grabbed_point, drag.axes[:, 0])
+    return drag if nearest is None else _shift(drag, nearest - drag.grabbed_point)
 
 
 def _move_plane(drag: Drag, pointer: Pointer) -> Drag:
-    hit = pointer.intersect_plane(drag.grab, drag.axes[:, 0])
-    return drag if hit is None else _shift(drag, hit - drag.grab)
+    hit = pointer.intersect_plane(drag.grabbed_point, drag.axes[:, 0])
+    return drag if hit is None else _shift(drag, hit - drag.grabbed_point)
 
 
 def _shift(drag: Drag, step: Floats) -> Drag:
@@ -318,18 +319,18 @@ def _shift(drag: Drag, step: Floats) -> Drag:
 
 def _rotate_axis(drag: Drag, pointer: Pointer) -> Drag:
     axis, at = drag.axes[:, 0], drag.start[:3, 3]
-    center = at + axis * (axis @ (drag.grab - at))
+    center = at + axis * (axis @ (drag.grabbed_point - at))
     hit = pointer.intersect_plane(center, axis)
     if hit is None:
         return drag
-    angle = _angle(drag.grab - center, hit - center, axis)
-    return replace(drag, pose=_rotate(drag.start, axis, angle), turned=angle)
+    angle = _angle(drag.grabbed_point - center, hit - center, axis)
+    return replace(drag, pose=_rotate(drag.start, axis, angle), rotation_angle=angle)
 
 
 def _move_rotate(drag: Drag, pointer: Pointer) -> Drag:
     """Turn the marker towards the pointer and move it there, like a towed trailer."""
     axis, at, start = drag.axes[:, 0], drag.pose[:3, 3], drag.start[:3, 3]
-    offset = rotation(axis, drag.turned) @ (drag.grab - start)
+    offset = rotation(axis, drag.rotation_angle) @ (drag.grabbed_point - start)
     center = at + axis * (axis @ offset)
     hit = pointer.intersect_plane(center, axis)
     if hit is None or (distance := float(np.linalg.norm(hit - center))) < _CENTER:
@@ -338,18 +339,18 @@ def _move_rotate(drag: Drag, pointer: Pointer) -> Drag:
     angle = _angle(before, hit - center, axis)
     pose = _rotate(drag.pose, axis, angle)
     pose[:3, 3] += (hit - center) * (1 - np.linalg.norm(before) / distance)
-    return replace(drag, pose=pose, turned=drag.turned + angle)
+    return replace(drag, pose=pose, rotation_angle=drag.rotation_angle + angle)
 
 
 def _move_3d(drag: Drag, pointer: Pointer) -> Drag:
     """Move the marker parallel to the image; with Shift along the line of sight."""
     if not drag.shift:
-        hit = pointer.intersect_plane(drag.grab, pointer.axes[2])
-        return drag if hit is None else _shift(drag, hit - drag.grab)
+        hit = pointer.intersect_plane(drag.grabbed_point, pointer.axes[2])
+        return drag if hit is None else _shift(drag, hit - drag.grabbed_point)
     right, up = pointer.image_position - drag.pointer.image_position
     # The distance along the line of sight for one pixel, [m].
     rays = (drag.pointer, drag.pointer.shifted(0, -10))
-    start, end = (ray.intersect_plane(drag.grab, drag.axes[:, 0]) for ray in rays)
+    start, end = (ray.intersect_plane(drag.grabbed_point, drag.axes[:, 0]) for ray in rays)
     scale = 0.001 if start is None or end is None else float(np.linalg.norm(end - start)) / 10 or 0.001
     pose = drag.pose.copy()
     pose[:3, 3] += scale * (right if abs(right) > abs(up) else up) * drag.pointer.direction

@@ -527,7 +527,7 @@ class MarkerStore:
         self._path = path
         self._statuses = statuses
         self._queue: list[tuple[Any, int]] = []
-        self.live: dict[Key, DisplayedMarker] = {}
+        self.displayed: dict[Key, DisplayedMarker] = {}
         # Those that expire or move with a frame. Visiting all markers in each frame would keep a
         # processor busy.
         self._changing: dict[Key, DisplayedMarker] = {}
@@ -558,12 +558,12 @@ class MarkerStore:
         queue, self._queue = self._queue, []
         for marker, received_ns in queue:
             self._process(marker, received_ns)
-        many = [_MANY_MARKERS_HINT.format(len(self.live))] if len(self.live) > _MANY_MARKERS else []
+        many = [_MANY_MARKERS_HINT.format(len(self.displayed))] if len(self.displayed) > _MANY_MARKERS else []
         self._statuses.hint("Markers", *many)
         for key, live in list(self._changing.items()):
             if live.expires_ns <= self._context.now_ns:
                 self._delete(key)
-                if not self.live:
+                if not self.displayed:
                     lifetime = nanoseconds(live.marker.lifetime) / NS  # [s]
                     self._statuses.hint(
                         "Lifetime", f"the last marker expired: its lifetime is {lifetime:g} s."
@@ -575,9 +575,9 @@ class MarkerStore:
 
     def clear(self) -> None:
         """Remove all markers."""
-        for live in self.live.values():
+        for live in self.displayed.values():
             self._context.scene.delete(live.path)
-        self.live.clear()
+        self.displayed.clear()
         self._changing.clear()
         self._queue.clear()
 
@@ -585,13 +585,13 @@ class MarkerStore:
         """Show or hide namespaces. Hiding a namespace removes its markers."""
         self.namespaces |= namespaces
         self._statuses.hint("Namespaces")
-        for key in list(self.live):
+        for key in list(self.displayed):
             if not self.namespaces.get(key[0], True):
                 self._delete(key)
 
     def moved_frame_hints(self) -> Iterator[tuple[str, str]]:
         """Yield name and hint of each marker whose frame has moved within a second of its reception."""
-        for live in self.live.values():
+        for live in self.displayed.values():
             frame, then = live.marker.header.frame_id, live.transform_frame_to_fixed
             now = self._context.frames.transform(frame)
             fresh = self._context.now_ns < live.received_ns + NS
@@ -611,7 +611,7 @@ class MarkerStore:
         elif marker.action == DELETE:
             self._delete(key)
         elif marker.action == DELETEALL:
-            for other in list(self.live):
+            for other in list(self.displayed):
                 if marker.ns in ("", other[0]):
                     self._delete(other)
         else:
@@ -624,8 +624,8 @@ class MarkerStore:
         name = label(marker)
         self._statuses.delete(name)
         self._statuses.hint("Lifetime")
-        before = self.live.get(key)
-        live = self.live[key] = self._draw(marker, received_ns, before)
+        before = self.displayed.get(key)
+        live = self.displayed[key] = self._draw(marker, received_ns, before)
         self._changing.pop(key, None)
         if marker.frame_locked or math.isfinite(live.expires_ns):
             self._changing[key] = live
@@ -705,7 +705,7 @@ class MarkerStore:
 
     def _delete(self, key: Key) -> None:
         self._statuses.delete(f"{key[0]}/{key[1]}")
-        live = self.live.pop(key, None)
+        live = self.displayed.pop(key, None)
         self._changing.pop(key, None)
         if live:
             self._context.scene.delete(live.path)
@@ -782,7 +782,7 @@ class _Markers(TopicDisplay):
 
     def message_at(self, path: str) -> Any:
         """Return the marker from which an object was drawn."""
-        live = self.markers.live.values()
+        live = self.markers.displayed.values()
         return next((shown.marker for shown in live if f"{path}/".startswith(f"{shown.path}/")), None)
 
     def rows(self) -> list[StatusRow]:

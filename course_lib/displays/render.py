@@ -118,7 +118,7 @@ def render_bag(
     if html:
         scene_recording, session = record_bag(recording, rviz, at)
         save_html(scene_recording, html, title=bag.name)
-        lines.append(f"Wrote {html}. {scene_recording.note()}".rstrip())
+        lines.append(f"Wrote {html}. {scene_recording.missing_part_notice()}".rstrip())
     else:
         session = replay(recording, rviz, at)
     if png:

@@ -98,7 +98,7 @@ class RvizSession:
         # RViz's Global Status.
         self.statuses = Statuses()
         # Returns the names of nodes that have timers or messages, but are not spun by any program.
-        self.unspun: Callable[[], Iterable[str]] = tuple
+        self.unspun_nodes: Callable[[], Iterable[str]] = tuple
         # Returns the errors that stopped live nodes.
         self.node_errors: Callable[[], Iterable[str]] = tuple
         # Returns why nothing arrives from a linked robot, or "".
@@ -420,7 +420,7 @@ class RvizSession:
         # The nodes of one run have the same error.
         if errors := "; ".join(dict.fromkeys(self.node_errors())):
             self.statuses.set("error", "Nodes", errors)
-        self.statuses.hint("Nodes", *(_NOT_SPUN.format(name) for name in self.unspun()))
+        self.statuses.hint("Nodes", *(_NOT_SPUN.format(name) for name in self.unspun_nodes()))
         return self.statuses.rows("Global Status")
 
     def rows_of(self, display: Display) -> list[StatusRow]:

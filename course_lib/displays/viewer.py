@@ -61,15 +61,15 @@ class Viewer(KnownAttributes):
         # By display: what added it, and the id of that run of the cell.
         self._sources: weakref.WeakKeyDictionary[Display, tuple[Source, str | None]]
         self._sources = weakref.WeakKeyDictionary()
-        self.film = SceneRecording(scene, lambda: backlog.now_ns / NS)
-        self.film.steady_camera = session.default_camera
+        self.scene_recording = SceneRecording(scene, lambda: backlog.now_ns / NS)
+        self.scene_recording.steady_camera = session.default_camera
         self._cell = ViewerCell(session, graph)
         stops = (graph.tap(backlog.receive, session.topics), graph.watch_time(backlog.tick), node.close)
         # Runs once no variable or page refers to the viewer.
         self._end = weakref.finalize(self, end_all, stops, self._cell)
         self._end.atexit = False
         nodes = graph.state(ProgramNodes)
-        session.unspun = lambda: list(nodes.unspun.values())
+        session.unspun_nodes = lambda: list(nodes.unspun_nodes.values())
         session.node_errors = lambda: list(nodes.errors.values())
         session.link_error = graph.link_error
         session.published_types = lambda topic: {
@@ -291,8 +291,8 @@ class Viewer(KnownAttributes):
             CourseError: The page cannot be written.
         """
         self.look()
-        scene: Scene | SceneRecording = self.film if playback else self.scene
-        seconds = round(self.film.duration) if playback else 0
+        scene: Scene | SceneRecording = self.scene_recording if playback else self.scene
+        seconds = round(self.scene_recording.duration) if playback else 0
         subject = f"{seconds} s of robot time" if seconds else "the view"
         # A history of two minutes takes seconds.
         say(f"Saving {subject} …")
@@ -333,7 +333,7 @@ class Viewer(KnownAttributes):
             seconds: The length [s] of robot time before now that the copy can play.
         """
         self.look()
-        return self._cell.resting_view(self.film, seconds)
+        return self._cell.resting_view(self.scene_recording, seconds)
 
     def replay(self, seconds: float = 5.0) -> "RestingView":
         """Return a recording for the last line of a cell. It plays in a loop while it is visible.
@@ -342,8 +342,8 @@ class Viewer(KnownAttributes):
             seconds: The length [s] of robot time before now that it plays.
         """
         self.look()
-        self.session.show_all(self.film.scenes(seconds))
-        return self._cell.resting_view(self.film, seconds, plays=True)
+        self.session.show_all(self.scene_recording.scenes(seconds))
+        return self._cell.resting_view(self.scene_recording, seconds, plays=True)
 
     def reset(self) -> None:
         """Discard all received messages and transforms, as RViz's button Reset does."""

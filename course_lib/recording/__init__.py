@@ -97,13 +97,13 @@ class Recorder:
 
     def __init__(self, graph: Graph) -> None:
         self._samples = graph.latched_samples()
-        self._untap = graph.tap(self._samples.append)
+        self._end_tap = graph.tap(self._samples.append)
         self._is_listening = True
 
     def stop(self) -> None:
         """Stop collecting samples."""
         if self._is_listening:
-            self._untap()
+            self._end_tap()
         self._is_listening = False
 
     def recording(self) -> Recording:
@@ -885,11 +885,11 @@ class _LiveBag:
             raise self._write_error(error) from error
         for sample in graph.latched_samples():
             self._on_sample(sample)
-        self._untap = graph.tap(self._on_sample, select_topics)
+        self._end_tap = graph.tap(self._on_sample, select_topics)
 
     def close(self) -> None:
         """Complete the bag, or raise a CourseError if it could not be written."""
-        self._untap()
+        self._end_tap()
         if self._problem is None:
             try:
                 self._writer.close()

@@ -344,7 +344,7 @@ class RobotStatePublisher(Node):
         # Joints that got a hint, or need none.
         self._hinted = set[str]()
         self._hint_count = 0
-        self._heard_ns = 0
+        self._received_ns = 0
         self._tf = self.create_publisher(TFMessage, "/tf", 100)
         self._tf_static = self.create_publisher(TFMessage, "/tf_static", _LATCHED)
         self._description = self.create_publisher(String, "robot_description", _LATCHED)
@@ -454,10 +454,10 @@ class RobotStatePublisher(Node):
 
     def _is_due(self, state: JointState) -> bool:
         now_ns = self.get_clock().now().nanoseconds
-        if now_ns < self._heard_ns:
+        if now_ns < self._received_ns:
             self.get_logger().warning("Moved backwards in time, re-publishing joint transforms!")
             self._published_ns.clear()
-        self._heard_ns = now_ns
+        self._received_ns = now_ns
         last_ns = min([now_ns, *(self._published_ns.get(name, 0) for name in state.name)])
         frequency = self._value("publish_frequency")
         # As in ROS, the period is in whole milliseconds.

@@ -204,7 +204,7 @@ class PageLink:
         # Called with the number of views in all pages, when it has changed.
         self.on_views: Callable[[int], None] = lambda count: None
         # Callbacks by the type of a message, called in the receiving thread.
-        self.immediate: dict[str, Callable[[Content], None]] = {}
+        self.immediate_handlers: dict[str, Callable[[Content], None]] = {}
         self._listeners: dict[str, Callable[[Content], None]] = {}
         self._send = send
         self._turn = turn
@@ -296,8 +296,8 @@ class PageLink:
         if kind == "click":
             for on_click in tuple(self.on_click):
                 self._call(on_click, click)
-        elif kind in self.immediate:
-            self.immediate[kind](content)
+        elif kind in self.immediate_handlers:
+            self.immediate_handlers[kind](content)
         elif kind in self._listeners:
             self._call(self._listeners[kind], content)
 

@@ -204,7 +204,7 @@ class SceneRecording:
         # Returns the camera from which all of the recording is played, or None if it moves. A view
         # that is moved to the drawn objects is moved when it is shown: at the end.
         self.steady_camera: Callable[[], Camera | None] = lambda: None
-        self.stop = scene.listen(self._note)
+        self.stop = scene.listen(self._record_change)
 
     @property
     def duration(self) -> float:
@@ -232,7 +232,7 @@ class SceneRecording:
         with self.scene.lock:
             end, scene = min(self._now(), until), copy_of(self._initial_scene)
             frames = takewhile(lambda frame: frame.time <= end, self._frames.frames())
-            recording_start, note = self._start, self.note()
+            recording_start, note = self._start, self.missing_part_notice()
             camera = self.steady_camera()
         start = max(recording_start, end - seconds)
         first = _seek(scene, frames, start if start < end else math.inf)
@@ -273,13 +273,13 @@ class SceneRecording:
             _apply(scene, frame)
             yield scene
 
-    def note(self) -> str:
+    def missing_part_notice(self) -> str:
         """Return a notice about the missing part, or ""."""
         if not self.is_truncated:
             return ""
         return f"Only the last {self.duration:.0f} s are included, to keep the file small."
 
-    def _note(self, kind: ChangeKind, path: str) -> None:
+    def _record_change(self, kind: ChangeKind, path: str) -> None:
         """Record a change. The caller holds the scene's lock."""
         now = self._now()
         newest = self._frames.newest

@@ -338,7 +338,7 @@ def test_broken_check_of_an_author_is_reported_once_and_ends_its_week(
 
 
 def test_wrong_answer_with_most_points_is_reported(course: Course) -> None:
-    report = WeekReport("week09", (), kept={"week09.post: red": 0.9, "a": 0.1, "b": 0.2})
+    report = WeekReport("week09", (), earned_fractions={"week09.post: red": 0.9, "a": 0.1, "b": 0.2})
     (line,) = [line for line in lines([report], course) if "wrong answers" in line]
     assert line.startswith("week09: 3 wrong answers keep 0.20 of their task's points in the median, ")
     assert line.endswith("at most 0.90 (week09.post: red)")

@@ -86,13 +86,13 @@ def test_newer_version_is_written_once_next_to_an_edited_file(tmp_path: Path, re
     own_file.write_text(notebook("my answer"))
     (release / "week01_exercise.ipynb").write_text(notebook("second"))
     report = prepare(own_file.parent)
-    assert report.beside == ("week01_exercise_new.ipynb",)
+    assert report.kept == ("week01_exercise_new.ipynb",)
     assert "the new version is next to yours: week01_exercise_new.ipynb" in "\n".join(report.lines())
     assert own_file.read_text() == notebook("my answer")
     assert (own_file.parent / "week01_exercise_new.ipynb").read_text() == notebook("second")
     assert prepare(own_file.parent).lines() == []
     (release / "week01_exercise.ipynb").write_text(notebook("third"))
-    assert prepare(own_file.parent).beside == ("week01_exercise_new2.ipynb",)
+    assert prepare(own_file.parent).kept == ("week01_exercise_new2.ipynb",)
 
 
 def test_manually_damaged_notebook_counts_as_edited(tmp_path: Path, release: Path) -> None:
@@ -100,7 +100,7 @@ def test_manually_damaged_notebook_counts_as_edited(tmp_path: Path, release: Pat
     prepare(own_file.parent)
     own_file.write_text("{ half a notebook")
     (release / "week01_exercise.ipynb").write_text(notebook("second"))
-    assert prepare(own_file.parent).beside == ("week01_exercise_new.ipynb",)
+    assert prepare(own_file.parent).kept == ("week01_exercise_new.ipynb",)
     assert own_file.read_text() == "{ half a notebook"
 
 

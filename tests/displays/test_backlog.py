@@ -139,7 +139,7 @@ def test_recorded_frames_have_the_arrival_times_of_messages(graph: Graph) -> Non
         wait(graph, 1.0)
     for viewer in viewers:
         viewer.look()
-    times = [[round(part.time, 6) for part in viewer.film._frames.frames()] for viewer in viewers]
+    times = [[round(part.time, 6) for part in viewer.scene_recording._frames.frames()] for viewer in viewers]
     assert len(times[0]) > 3
     assert times[0] == times[1]
 

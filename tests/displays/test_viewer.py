@@ -399,8 +399,8 @@ def test_look_is_kept_in_recordings_and_copies(graph: Graph) -> None:
     viewer = Viewer()
     viewer.options["Look"] = "Studio"
     viewer.look()
-    assert viewer.film.scene.look == "Studio"
-    assert encoding.scene_batch(viewer.film.scene)["commands"][0]["look"] == "Studio"
+    assert viewer.scene_recording.scene.look == "Studio"
+    assert encoding.scene_batch(viewer.scene_recording.scene)["commands"][0]["look"] == "Studio"
 
 
 def test_options_and_tools_are_set_by_their_rviz_labels(graph: Graph, tmp_path: Path) -> None:

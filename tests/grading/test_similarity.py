@@ -15,8 +15,8 @@ from course_lib.course.material import exercises_dir, solutions_dir
 from course_lib.grading.submissions.copies import (
     COMMON,
     FEW,
+    ComparedSubmission,
     Comparison,
-    Work,
     _shared_weights,
     compare,
     fingerprint,
@@ -32,7 +32,7 @@ Disguise = Callable[[list[str]], list[str]]
 
 def compared(class_of: Mapping[str, Sequence[str]]) -> Comparison:
     given = released_code(exercises_dir())
-    works = {student: Work(tuple(cells), "") for student, cells in class_of.items()}
+    works = {student: ComparedSubmission(tuple(cells), "") for student, cells in class_of.items()}
     return compare(
         {student: given.own_runs(work) for student, work in works.items()},
         {student: given.own_lines(work) for student, work in works.items()},
@@ -200,7 +200,7 @@ def test_every_solution_has_code_that_the_exercise_lacks() -> None:
     given = released_code(exercises_dir())
     for path in solutions_dir().glob("week*_solution.ipynb"):
         cells = [source(cell) for cell in read_notebook(path)["cells"] if cell["cell_type"] == "code"]
-        assert len(given.own_runs(Work(tuple(cells), ""))) > 200, Path(path).name
+        assert len(given.own_runs(ComparedSubmission(tuple(cells), ""))) > 200, Path(path).name
 
 
 @pytest.mark.slow

@@ -121,7 +121,7 @@ def test_cpu_time_of_ended_processes_is_counted() -> None:
             os._exit(0)
         os.waitpid(pid, 0)
     after = dict(submission_run._threads(os.getpid()))
-    assert after[ENDED].after(before[ENDED]).ran >= 0.4
+    assert after[ENDED].after(before[ENDED]).running >= 0.4
 
 
 def test_extension_of_the_time_limit_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -127,7 +127,7 @@ class ViewerCell:
         """Request a PNG with a size in [px] from an open page, or return None if no page answers."""
         answers: list[dict[str, Any]] = []
         for link in (link for link in self._links() if link.is_ready):
-            link.immediate["picture"] = answers.append
+            link.immediate_handlers["picture"] = answers.append
             link.send_all()
             link.post({"type": "capture", "width": size[0], "height": size[1]})
             deadline = wall.monotonic() + _ANSWER

@@ -102,7 +102,7 @@ class PublishPoint(Tool):
 class SetGoal(PublishPoint):
     """A tool that publishes the pose dragged on the ground."""
 
-    does = "Setting goal pose"
+    log_text = "Setting goal pose"
 
     type_name = "geometry_msgs/msg/PoseStamped"
     properties = qos_properties("goal_pose")
@@ -112,7 +112,7 @@ class SetGoal(PublishPoint):
         pose = getattr(message.pose, "pose", message.pose)
         p, q = pose.position, pose.orientation
         return (
-            f"{self.does}: Frame:{message.header.frame_id}, Position({p.x:g}, {p.y:g}, {p.z:g}), "
+            f"{self.log_text}: Frame:{message.header.frame_id}, Position({p.x:g}, {p.y:g}, {p.z:g}), "
             f"Orientation({q.x:g}, {q.y:g}, {q.z:g}, {q.w:g}) = Angle: {2 * atan2(q.z, q.w):g}"
         )
 
@@ -123,7 +123,7 @@ class SetGoal(PublishPoint):
 class SetInitialPose(SetGoal):
     """A tool that publishes the pose dragged on the ground, with a covariance."""
 
-    does = "Setting estimate pose"
+    log_text = "Setting estimate pose"
 
     type_name = "geometry_msgs/msg/PoseWithCovarianceStamped"
     properties = (

@@ -138,13 +138,13 @@ class Upload:
 
     Args:
         student: The ID in the roster, else Gradescope's number.
-        named: Whether the student is in the roster.
+        is_named: Whether the student is in the roster.
         time: The time of the upload as Gradescope writes it, or "".
         stranger: The address that is not in the roster, or "".
     """
 
     student: str
-    named: bool
+    is_named: bool
     time: str
     unknown_address: str = ""
 
@@ -241,7 +241,7 @@ def _collect(submission: Path, upload: Upload, work: Path, course: Course) -> se
         say(line)
     if not collection.count:
         return set()
-    write_receipts(top, {upload.student: PlatformTime(upload.time, METADATA, upload.named)})
+    write_receipts(top, {upload.student: PlatformTime(upload.time, METADATA, upload.is_named)})
     return {submission.exercise for submission in find_submissions(top, zone=zone)}
 
 

@@ -45,43 +45,44 @@ PROCESS_TIMES = slice(11, 15)  # times of the process, its ended threads and its
 class ThreadTimes:
     """Times of a thread [s]: running, and ready to run but waiting for a processor."""
 
-    ran: float = 0.0
-    waited: float = 0.0
+    running: float = 0.0
+    waiting: float = 0.0
 
     def after(self, earlier: "ThreadTimes") -> "ThreadTimes":
         """Return the difference from earlier times."""
-        return ThreadTimes(self.ran - earlier.ran, self.waited - earlier.waited)
+        return ThreadTimes(self.running - earlier.running, self.waiting - earlier.waiting)
 
 
 class WaitingTime:
     """The waiting time of a process's descendants, and of the thread serving them, since `begin`.
 
-    It is 0 on systems that do not measure it. `given` is the total extension of limits [s].
+    It is 0 on systems that do not measure it. `granted` is the total extension of limits [s].
 
     Args:
-        top: The process id.
+        process: The process id.
         limit: The limit of each step [s] of the wall clock.
     """
 
-    def __init__(self, top: int, limit: float) -> None:
-        self._top = top
+    def __init__(self, process: int, limit: float) -> None:
+        self._process = process
         self.begin(limit)
 
     def begin(self, limit: float) -> None:
         """Restart the measurement, with a limit per step [s]."""
-        self.granted, self._max_bytes = 0.0, MAX_EXTENSION * limit
-        self._since, self._times_at_start = wall.monotonic(), dict(_threads(self._top))
+        self.granted, self._max_extension = 0.0, MAX_EXTENSION * limit
+        self._since, self._times_at_start = wall.monotonic(), dict(_threads(self._process))
 
     def extend(self) -> float:
         """Return the extension [s] of a limit that was just reached, or 0 if no thread waited."""
         # The extension is the longest waiting time of a thread, without times in which another one
         # ran.
-        spent = {n: t.after(self._times_at_start.get(n, ThreadTimes())) for n, t in _threads(self._top)}
-        own_wait = spent.pop(OWN_THREAD, ThreadTimes()).waited
-        ran = sum(times.ran for times in spent.values())
-        longest = max((times.waited for times in spent.values()), default=0.0)
+        spent = {n: t.after(self._times_at_start.get(n, ThreadTimes())) for n, t in _threads(self._process)}
+        own_wait = spent.pop(OWN_THREAD, ThreadTimes()).waiting
+        ran = sum(times.running for times in spent.values())
+        longest = max((times.waiting for times in spent.values()), default=0.0)
         more = (
-            min(min(own_wait + longest, wall.monotonic() - self._since - ran), self._max_bytes) - self.granted
+            min(min(own_wait + longest, wall.monotonic() - self._since - ran), self._max_extension)
+            - self.granted
         )
         if more < MIN_EXTENSION:
             return 0.0
@@ -89,15 +90,15 @@ class WaitingTime:
         return more
 
 
-def _threads(top: int) -> Iterator[tuple[int, ThreadTimes]]:
+def _threads(process: int) -> Iterator[tuple[int, ThreadTimes]]:
     """Yield (thread id, CPU times) for this thread and for all threads of a process's descendants.
 
     Those that have ended are one entry. Otherwise code could start short processes and wait for
     them: they would use the processor, and extend the limit.
     """
     files = [Path("/proc/thread-self/schedstat")]
-    ended = _stat_seconds(top, CHILDREN_TIMES)
-    for pid in descendants(top):
+    ended = _stat_seconds(process, CHILDREN_TIMES)
+    for pid in descendants(process):
         files += Path(f"/proc/{pid}/task").glob("*/schedstat")
         ended += _stat_seconds(pid, PROCESS_TIMES)
     for file in files:
@@ -478,15 +479,15 @@ class Budget:
     """
 
     def __init__(self, amount: float, tasks: Collection[str]) -> None:
-        self._common = amount / 2
-        self._reserved = dict.fromkeys(tasks, amount / 2 / max(len(tasks), 1))
+        self._shared_amount = amount / 2
+        self._reserved_amounts = dict.fromkeys(tasks, amount / 2 / max(len(tasks), 1))
 
     def remaining(self, task: str) -> float:
         """Return the remaining amount that a task may use."""
-        return self._reserved[task] + self._common
+        return self._reserved_amounts[task] + self._shared_amount
 
     def charge(self, task: str, amount: float) -> None:
         """Charge a task: first its own share, then the shared half."""
-        from_reserve = min(amount, self._reserved[task])
-        self._reserved[task] -= from_reserve
-        self._common = max(self._common - (amount - from_reserve), 0.0)
+        from_reserve = min(amount, self._reserved_amounts[task])
+        self._reserved_amounts[task] -= from_reserve
+        self._shared_amount = max(self._shared_amount - (amount - from_reserve), 0.0)

@@ -570,12 +570,12 @@ class PlatformTime:
     Args:
         time: The time as the platform writes it, or "".
         source: The source of the time.
-        named: Whether the student is in a roster.
+        is_named: Whether the student is in a roster.
     """
 
     time: str
     source: str
-    named: bool
+    is_named: bool
 
 
 def write_receipts(top: Path, receipts: Mapping[str, PlatformTime]) -> None:
@@ -583,7 +583,7 @@ def write_receipts(top: Path, receipts: Mapping[str, PlatformTime]) -> None:
     rows = list[dict[str, str]]()
     for student, receipt in receipts.items():
         receipt_row = {"received": escape_formula(receipt.time), "source": receipt.source}
-        receipt_row[ID_FROM] = ROSTER if receipt.named else PLATFORM
+        receipt_row[ID_FROM] = ROSTER if receipt.is_named else PLATFORM
         for path in sorted(path for path in (top / student).rglob("*") if path.is_file()):
             rows.append({"file": path.relative_to(top).as_posix(), **receipt_row})
     write_list(top / LIST, rows)

@@ -467,7 +467,7 @@ FOLDER = "copies"
 
 
 @dataclass(frozen=True)
-class Work:
+class ComparedSubmission:
     """One student's compared code, its time of receipt in UTC ("" if unknown), and remarks."""
 
     cells: tuple[str, ...]
@@ -489,11 +489,11 @@ class ReleasedCode:
     lines: frozenset[str]
     texts: frozenset[str] = frozenset()
 
-    def own_runs(self, work: Work) -> frozenset[int]:
+    def own_runs(self, work: ComparedSubmission) -> frozenset[int]:
         """Return the runs of a student's code that are not from the course."""
         return frozenset(fingerprint(work.cells).runs) - self.runs
 
-    def own_lines(self, work: Work) -> tuple[str, ...]:
+    def own_lines(self, work: ComparedSubmission) -> tuple[str, ...]:
         """Return a student's lines that are not from the course, sorted, as the order of cells may differ."""
         lines = (line.strip() for cell in work.cells for line in cell.splitlines())
         return tuple(sorted(line for line in lines if line and line not in self.lines))
@@ -520,7 +520,7 @@ class Block:
 def copies_page(
     exercise: str,
     comparison: Comparison,
-    works: Mapping[str, Work],
+    works: Mapping[str, ComparedSubmission],
     released: ReleasedCode,
     zone: ZoneInfo,
 ) -> str:
@@ -538,7 +538,7 @@ def copies_page(
     return fill("copies.html", exercise=exercise, compared=len(works), **values)
 
 
-def _pair(pair: Pair, works: Mapping[str, Work], released: ReleasedCode) -> dict[str, object]:
+def _pair(pair: Pair, works: Mapping[str, ComparedSubmission], released: ReleasedCode) -> dict[str, object]:
     """Return the data of a pair. The submission that was received first is on the left."""
     names = sorted((pair.first, pair.second), key=lambda name: (works[name].received, name))
     first, second = (fingerprint(works[name].cells) for name in names)
@@ -567,7 +567,7 @@ def _match_lines(
     return like
 
 
-def _blocks(work: Work, like: Mapping[int, int], released: ReleasedCode) -> list[Block]:
+def _blocks(work: ComparedSubmission, like: Mapping[int, int], released: ReleasedCode) -> list[Block]:
     """Group consecutive lines by origin: released code, the other submission, or neither."""
     kind: Kind = "given"
     lines: list[Line] = []
@@ -618,10 +618,10 @@ def compare_class(
             code[file.exercise, file.student] |= dict.fromkeys([*file.notebook.cells, *programs])
             time = file.received.time
             received_times[file.exercise, file.student] = time.isoformat() if time else ""
-    works = defaultdict[str, dict[str, Work]](dict)
+    works = defaultdict[str, dict[str, ComparedSubmission]](dict)
     for (exercise, student), texts in code.items():
         selected = select_code(texts, names[exercise.split("_")[0]], released.lines)
-        work = Work(selected.cells, received_times[exercise, student], selected.remarks)
+        work = ComparedSubmission(selected.cells, received_times[exercise, student], selected.remarks)
         works[exercise][student] = work
     for exercise, fresh in works.items():
         # Students with a result may have been graded from another folder, so their code is
@@ -630,7 +630,7 @@ def compare_class(
         previous = _read(path)["works"] if path.is_file() else {}
         work_of = {
             **{
-                student: Work(tuple(cells), received_times, *map(tuple, more))
+                student: ComparedSubmission(tuple(cells), received_times, *map(tuple, more))
                 for student, (cells, received_times, *more) in previous.items()
                 if result_path(out, student, exercise).is_file()
             },

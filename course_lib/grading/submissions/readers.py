@@ -172,7 +172,7 @@ class Reader:
             platform) and `below`, the part that the student chose.
         extras: Pattern of files that the platform adds.
         student: The default ID, a format string with the names of groups.
-        utc: True if times are in UTC instead of the site's local time.
+        is_utc: True if times are in UTC instead of the site's local time.
         no_times: Where to find times of submission if the download has none.
     """
 
@@ -182,7 +182,7 @@ class Reader:
     patterns: tuple[str, ...]
     extras: str = ""
     student: str = "{number}"
-    utc: bool = False
+    is_utc: bool = False
     no_times: str = ""
 
     def match(self, path: Components) -> re.Match[str] | None:
@@ -225,7 +225,7 @@ class Reader:
             below,
             _keys(*logins, groups["number"], name),
             find_exercise_title(groups["title"]) if self.layout in (NBGRADER, "teams") else "",
-            _platform_time(groups["time"], UTC if self.utc else zone),
+            _platform_time(groups["time"], UTC if self.is_utc else zone),
             bool(groups.get("late")) if "late" in match.groupdict() else None,
             groups["attachment"],
             "/".join(path) if is_returned else "",
@@ -345,7 +345,7 @@ READERS: tuple[Reader, ...] = (
             r"(?P<below>.+)",
         ),
         student="{name}",
-        utc=True,
+        is_utc=True,
     ),
     Reader(
         NBGRADER,

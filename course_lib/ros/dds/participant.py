@@ -103,7 +103,7 @@ class Participant:
         # Number of datagrams received from others.
         self.datagrams = 0
         # Wall time of the last datagram of a known participant [s].
-        self._heard_at = 0.0
+        self._last_received_at = 0.0
         first_port = PORT_BASE + PORTS_PER_DOMAIN * domain + FIRST_UNICAST
         # The ports that participants on one computer use.
         self._ports = range(first_port, first_port + 2 * PORT_ATTEMPTS, 2)
@@ -127,7 +127,7 @@ class Participant:
         # Remote endpoints by GUID.
         self._endpoints: dict[bytes, Endpoint] = {}
         self._announcements = itertools.count(1)
-        self._eager = EAGER_ANNOUNCEMENTS
+        self._eager_count = EAGER_ANNOUNCEMENTS
         # Held by the thread that receives.
         self._receiving = _thread.allocate_lock()
         # Wall time until which a thread of the program receives [s].
@@ -151,7 +151,7 @@ class Participant:
     def silent_seconds(self) -> float:
         """Return for how long no remote participant has sent anything [s]; 0 if none is present."""
         with self.lock:
-            return wall.monotonic() - self._heard_at if self.remotes else 0.0
+            return wall.monotonic() - self._last_received_at if self.remotes else 0.0
 
     def add_writer(self, topic: str, type_name: str, qos: Qos, user_data: bytes = b"") -> Writer:
         """Create a writer and announce it."""
@@ -281,7 +281,7 @@ class Participant:
         else:
             builtin = _locators_at(host, locators)
             self._announce(builtin)
-            self._eager = EAGER_ANNOUNCEMENTS
+            self._eager_count = EAGER_ANNOUNCEMENTS
             self._readers_by_writer.clear()
             for writer, reader in SEDP.values():
                 for own, entity in ((writer, reader), (reader, writer)):
@@ -374,10 +374,10 @@ class Participant:
         next_announcement = next_heartbeat = 0.0
         while self.is_open:
             now = wall.monotonic()
-            if now >= next_announcement or self._eager == EAGER_ANNOUNCEMENTS:
-                next_announcement = now + (EAGER_SECONDS if self._eager else ANNOUNCE_SECONDS)
-                self._eager = max(0, self._eager - 1)
-                if not (self.remotes or self._eager):
+            if now >= next_announcement or self._eager_count == EAGER_ANNOUNCEMENTS:
+                next_announcement = now + (EAGER_SECONDS if self._eager_count else ANNOUNCE_SECONDS)
+                self._eager_count = max(0, self._eager_count - 1)
+                if not (self.remotes or self._eager_count):
                     self._resolve_again()
                 with self.lock:
                     self._announce(self._ports_of_robot())
@@ -448,7 +448,7 @@ class Participant:
                 if self.is_open:
                     self._process(data, host)
                     if sender in self.remotes:
-                        self._heard_at = wall.monotonic()
+                        self._last_received_at = wall.monotonic()
         except MALFORMED as error:
             self.dropped[type(error).__name__] += 1
         except KeyboardInterrupt:

@@ -375,7 +375,7 @@ class ProgramNodes:
     # Their ids in the graph, from which they are removed when the program ends.
     ids: set[int] = field(default_factory=set)
     # The full names, by id, of nodes with ready entities that were never added to an executor.
-    unspun: dict[int, str] = field(default_factory=dict)
+    unspun_nodes: dict[int, str] = field(default_factory=dict)
     # The number of timers and subscriptions, by full name, of nodes that were never added to an
     # executor.
     callbacks: dict[str, int] = field(default_factory=dict)

@@ -84,7 +84,7 @@ class Traffic:
         # (time of reception [ns], size [bytes]) of recent messages.
         self._recent: deque[tuple[int, int]] = deque(maxlen=WINDOW)
         # Time from publication to reception of recent messages [ns].
-        self._lags: deque[int] = deque(maxlen=WINDOW)
+        self._lags_ns: deque[int] = deque(maxlen=WINDOW)
         # Last sequence number by GID.
         self._last_sequence: dict[bytes, int] = {}
 
@@ -95,7 +95,7 @@ class Traffic:
         self._last_sequence[packet.gid] = max(last, packet.sequence)
         self.received += 1
         self._recent.append((packet.received_ns, len(packet.cdr)))
-        self._lags.append(packet.received_ns - packet.source_ns)
+        self._lags_ns.append(packet.received_ns - packet.source_ns)
 
     def reset_sequences(self) -> None:
         """Restart the detection of gaps: messages sent while a link is down do not count as lost."""
@@ -104,7 +104,7 @@ class Traffic:
     @property
     def lag_ns(self) -> int | None:
         """The shortest time from publication to reception [ns]: transport plus clock offset."""
-        return min(tuple(self._lags), default=None)
+        return min(tuple(self._lags_ns), default=None)
 
     def rates(self) -> tuple[float, float]:
         """Return messages and bytes per second over the last few seconds."""

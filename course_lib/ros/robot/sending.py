@@ -150,9 +150,9 @@ class StopCommand:
         # Whether there has ever been a subscription.
         self._was_matched = False
         # Wall time of the last command [s].
-        self._last_command = 0.0
+        self._last_command_at = 0.0
         # Wall time of the last stop [s].
-        self._stop_sent: float | None = None
+        self._stop_sent_at: float | None = None
         self._is_stop_lost = False
         self._mutex = _thread.allocate_lock()
 
@@ -160,8 +160,8 @@ class StopCommand:
         """Publish a command."""
         with self._mutex:
             is_moving, is_matched = is_motion(cdr, self._type_name), self.publisher.is_matched()
-            self._last_command = wall.monotonic()
-            self._stop_sent = None if is_moving else self._last_command
+            self._last_command_at = wall.monotonic()
+            self._stop_sent_at = None if is_moving else self._last_command_at
             self._is_stop_lost = not is_matched
             self._may_move = self._may_move or is_moving
             self._was_matched = self._was_matched or is_matched
@@ -172,14 +172,14 @@ class StopCommand:
         with self._mutex:
             now, is_matched = wall.monotonic(), self.publisher.is_matched()
             # Zenoh may report the first match after the first command was sent.
-            self._was_matched |= is_matched and self._last_command > 0.0
-            if not self._may_move or now - self._last_command < older_than:
+            self._was_matched |= is_matched and self._last_command_at > 0.0
+            if not self._may_move or now - self._last_command_at < older_than:
                 return
             zero = stop_message(self._type_name, wall.time_ns())
-            if zero is not None and (self._stop_sent is None or (is_matched and self._is_stop_lost)):
+            if zero is not None and (self._stop_sent_at is None or (is_matched and self._is_stop_lost)):
                 self.publisher.put(zero)
-                self._stop_sent = now
-            elif is_matched and self._stop_sent is not None and now - self._stop_sent > LEASE_SECONDS:
+                self._stop_sent_at = now
+            elif is_matched and self._stop_sent_at is not None and now - self._stop_sent_at > LEASE_SECONDS:
                 self._may_move = False
             self._is_stop_lost = not is_matched
 
@@ -189,7 +189,7 @@ class StopCommand:
         return self._may_move and self._was_matched
 
     @property
-    def is_cut_off(self) -> bool:
+    def is_unreceived(self) -> bool:
         """Whether the robot has not received the stop command."""
         return self.is_due and self._is_stop_lost
 
@@ -229,7 +229,7 @@ class OutgoingTraffic:
         stop, publisher = self._stops.get(endpoint), self._publishers.get(endpoint)
         if stop is not None:
             self._repeat_stops()
-            moving_topics = [other.publisher.topic for other in self._removed.values() if other.is_cut_off]
+            moving_topics = [other.publisher.topic for other in self._removed.values() if other.is_unreceived]
             if stop.publisher.topic not in moving_topics:
                 stop.put(cdr)
         elif publisher is not None:
@@ -280,7 +280,7 @@ class OutgoingTraffic:
         # A second caller waits here, because Python must not exit while the first is in the link's
         # library.
         with self._close_mutex:
-            if self._on_end is not None and not any(stop.is_cut_off for stop in self._all_stops()):
+            if self._on_end is not None and not any(stop.is_unreceived for stop in self._all_stops()):
                 self._is_open = False
                 self._on_end()
 

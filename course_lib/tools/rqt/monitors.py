@@ -211,7 +211,7 @@ class RobotMonitorView(RqtView):
 
     def build(self) -> None:
         """Create the controls. /diagnostics is shown until the aggregator publishes."""
-        self._topic, self._heard_ns = "", 0
+        self._topic, self._received_ns = "", 0
         # Time [ns] and status by path.
         self._statuses: dict[str, tuple[int, Any]] = {}
         self._history: deque[tuple[int, str]] = deque(maxlen=_HISTORY)
@@ -226,7 +226,7 @@ class RobotMonitorView(RqtView):
         if sample.topic != self._topic:
             # The aggregator publishes the statuses under different names.
             self._statuses.clear()
-        self._topic, self._heard_ns = sample.topic, sample.stamp_ns
+        self._topic, self._received_ns = sample.topic, sample.stamp_ns
         message: Any = sample.message()
         for status in message.status:
             self._statuses["/" + status.name.strip("/")] = sample.stamp_ns, status
@@ -242,8 +242,8 @@ class RobotMonitorView(RqtView):
         """Return summary, history, tree and the details of the chosen status."""
         if not self._topic:
             return f"<p>{icon('stale')}No diagnostics received yet on {' or '.join(TOPICS)}.</p>"
-        age = (self.graph.now_ns - self._heard_ns) * 1e-9
-        is_stale = self.graph.now_ns - self._heard_ns > STALE_NS
+        age = (self.graph.now_ns - self._received_ns) * 1e-9
+        is_stale = self.graph.now_ns - self._received_ns > STALE_NS
         stale_text = f"{icon('stale')}STALE: the l" if is_stale else "L"
         levels = [self._level(path) for path in self._statuses]
         counts = " · ".join(f"{icon(level)}{levels.count(level)} {level.upper()}" for level in _LEVELS[::-1])

@@ -19,9 +19,9 @@ def pointer_at(place: Floats, camera: Camera) -> Pointer:
     eye = np.array(camera.eye)
     if camera.orthographic_scale is None:
         ray = place - eye
-        return Pointer(eye, ray / np.linalg.norm(ray), axes, PIXEL, flat=False)
+        return Pointer(eye, ray / np.linalg.norm(ray), axes, PIXEL, is_orthographic=False)
     aside = axes[:2] @ (place - eye)
-    return Pointer(eye + aside @ axes[:2], axes[2], axes, 1 / camera.orthographic_scale, flat=True)
+    return Pointer(eye + aside @ axes[:2], axes[2], axes, 1 / camera.orthographic_scale, is_orthographic=True)
 
 
 def order(

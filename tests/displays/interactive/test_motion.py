@@ -112,7 +112,7 @@ def test_rotation_follows_the_pointer_around_the_axis() -> None:
     axes = np.column_stack([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]).astype(float)
     drag = pressed(ROTATE_AXIS, axes, np.array([1.0, 0, 0]), above)
     drag = drag.move_to(pointer_at(np.array([0, 2.0, 0]), above))
-    assert drag.turned == pytest.approx(np.pi / 2)
+    assert drag.rotation_angle == pytest.approx(np.pi / 2)
     assert drag.pose[:3, 0] == pytest.approx((0, 1, 0), abs=1e-9)
 
 
@@ -165,7 +165,9 @@ def test_rays_without_an_intersection_do_not_move_the_marker(mode: int) -> None:
     camera = Camera(eye=(10.0, 0.0, 0.0))
     drag = pressed(mode, np.eye(3)[:, [2, 0, 1]], np.zeros(3), camera)  # x is up: planes are seen as lines
     for direction in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)):
-        aside = Pointer(np.array(camera.eye), np.array(direction), drag.pointer.axes, 0.0015, flat=False)
+        aside = Pointer(
+            np.array(camera.eye), np.array(direction), drag.pointer.axes, 0.0015, is_orthographic=False
+        )
         if mode in (MOVE_PLANE, ROTATE_AXIS, MOVE_ROTATE):
             assert drag.move_to(aside) is drag
 

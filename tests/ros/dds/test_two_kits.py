@@ -380,7 +380,7 @@ def test_robot_that_starts_with_another_address_is_found_by_its_name(
     robot, student = kits.join(send="/chatter", host="127.0.0.9"), kits.join(host="robot.local")
     talker(robot, "/chatter")
     announced = dds_link(student).participant
-    kits.until(lambda: not announced._eager, "the first announcements")
+    kits.until(lambda: not announced._eager_count, "the first announcements")
     assert not student.link.is_up()
     hosts["robot.local"] = "127.0.0.1"
     kits.until(lambda: "/chatter" in topics(student, "pub"), "the robot")

@@ -144,7 +144,7 @@ def spin_once(
     timeout_sec: float | None = None,
 ) -> None:
     """Run one callback. Wait for it at most `timeout_sec` [s], without limit if that is None."""
-    with _with_node(executor, node, keep=True) as used_executor, used_executor._course_beside_live():
+    with _with_node(executor, node, keep=True) as used_executor, used_executor._course_with_live_nodes():
         used_executor.spin_once(timeout_sec=timeout_sec)
 
 
@@ -155,7 +155,7 @@ def spin_until_future_complete(
     timeout_sec: float | None = None,
 ) -> None:
     """Run the node's callbacks until a future is done or `timeout_sec` [s] have passed."""
-    with _with_node(executor, node, keep=True) as used_executor, used_executor._course_beside_live():
+    with _with_node(executor, node, keep=True) as used_executor, used_executor._course_with_live_nodes():
         used_executor.spin_until_future_complete(future, timeout_sec)
 
 

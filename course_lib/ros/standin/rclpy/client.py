@@ -111,7 +111,7 @@ class Client(ServiceEnd):
         if not self._course_queue:
             return None
         client, number, cdr = self._course_queue.popleft()
-        self._course_note_taken(client, number, cdr)
+        self._course_record_taken(client, number, cdr)
         future = self._pending_requests.pop(number, None)
         if future is None:
             return self._course_on_unexpected

@@ -171,7 +171,7 @@ class _Sleep:
         self.changed = False
         self.is_over = False
 
-    def note(self, jump: TimeJump) -> None:
+    def on_jump(self, jump: TimeJump) -> None:
         """End the sleep if its deadline has passed or the clock's time source has changed."""
         self.changed |= jump.clock_change is not ClockChange.ROS_TIME_NO_CHANGE
         self.is_over = self.changed or self._clock.now_ns >= self._until_ns
@@ -234,7 +234,7 @@ class Clock:
             raise ValueError("until's clock type does not match this clock's type")
         sleep, overridden = _Sleep(self.handle, until.nanoseconds), self.handle.is_overridden
         awaited = f"{self!r}.sleep_until{', which follows /clock' if overridden else ''}"
-        with time_lock.hold(), self.create_jump_callback(_WAKES, post_callback=sleep.note):
+        with time_lock.hold(), self.create_jump_callback(_WAKES, post_callback=sleep.on_jump):
             time_lock.wait(
                 lambda: sleep.is_over or context.is_shut_down,
                 until_ns=None if overridden else until.nanoseconds,

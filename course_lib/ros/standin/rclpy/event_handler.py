@@ -262,7 +262,7 @@ class Deadline:
         self._entity = node.next_entity()
         self._alarm: Alarm | None = None
 
-    def note(self) -> None:
+    def restart(self) -> None:
         """Record a message and restart the deadline."""
         self.stop()
         graph = self._node.graph
@@ -275,5 +275,5 @@ class Deadline:
             self._alarm.cancel()
 
     def _ring(self) -> None:
-        self.note()
+        self.restart()
         self._missed()

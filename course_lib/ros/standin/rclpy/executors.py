@@ -98,7 +98,7 @@ async def _run_callback(turn: Turn, call: Callable[[], object], graph: Graph) ->
     finally:
         entity.callback_group.ending_execution(entity)
         if graph.now_ns > start_ns and graph.notebook:
-            entity._course_note_time_taken(graph.now_ns - start_ns)
+            entity._course_record_time_taken(graph.now_ns - start_ns)
         for listener in graph.callback_listeners:
             listener(entity, turn.since_ns, start_ns, time.thread_time() - start)
 
@@ -267,7 +267,7 @@ class Executor(AbstractContextManager["Executor"]):
         graph, limit_ns = current_graph(), FOR_EVER_NS
         if pace.mode() == "fast":
             limit_ns = graph.now_ns + round(pace.SECONDS_WITHOUT_A_PAGE * 1e9)
-        with until_interrupted(), self._course_beside_live():
+        with until_interrupted(), self._course_with_live_nodes():
             self._course_spin_until(limit_ns, lambda: not self.__is_running)
         if graph.now_ns == limit_ns:
             say(f"No page is watching: spin() stopped after {pace.SECONDS_WITHOUT_A_PAGE:g} s of robot time.")
@@ -309,7 +309,7 @@ class Executor(AbstractContextManager["Executor"]):
                     self.remove_node(node)
 
     @contextmanager
-    def _course_beside_live(self) -> Iterator[None]:
+    def _course_with_live_nodes(self) -> Iterator[None]:
         """Also run the live nodes during the block, at the selected pace."""
         running = current_graph().state(RunningNodes).nodes
         with self._course_joined_by(running), pace.keep_pace(self.context.graph):
@@ -329,10 +329,10 @@ class Executor(AbstractContextManager["Executor"]):
             return
         self.__polled = None
         limit_ns = timeout_sec_to_nsec(timeout_sec)
-        with self.__explained_in_callback(limit_ns, _NESTED_SPIN_ONCE):
+        with self.__explain_in_callback(limit_ns, _NESTED_SPIN_ONCE):
             self._spin_once_impl(limit_ns, never)
 
-    def __explained_in_callback(self, limit_ns: int, reason: str) -> AbstractContextManager[None]:
+    def __explain_in_callback(self, limit_ns: int, reason: str) -> AbstractContextManager[None]:
         """Return a context manager that explains an interrupted endless wait if a callback waits."""
         is_nested = limit_ns < 0 and threading.get_ident() in self.__under_way
         return explain_interrupts(lambda: reason if is_nested else "")
@@ -387,7 +387,7 @@ class Executor(AbstractContextManager["Executor"]):
         graph, limit_ns = self.context.graph, timeout_sec_to_nsec(timeout_sec)
         end_ns = None if limit_ns < 0 else graph.now_ns + limit_ns
         is_over = _Completion(future)
-        with self.__explained_in_callback(limit_ns, _NESTED_SPIN), time_lock.hold():
+        with self.__explain_in_callback(limit_ns, _NESTED_SPIN), time_lock.hold():
             while self.__is_running and self.context.ok() and future._pending():
                 self._spin_once_impl(-1 if end_ns is None else end_ns - graph.now_ns, is_over)
                 if end_ns is not None and graph.now_ns >= end_ns:

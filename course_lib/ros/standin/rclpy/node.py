@@ -779,7 +779,7 @@ class Node:
     ) -> list[Parameter]:
         """Declare parameters in a namespace: (name), (name, value) or (name, value, descriptor)."""
         declared = self.__parameter_store.declare(namespace, parameters, ignore_override=ignore_override)
-        self.handle.arguments.asked.parameters.update(parameter.name for parameter in declared)
+        self.handle.arguments.requested.parameters.update(parameter.name for parameter in declared)
         return declared
 
     def undeclare_parameter(self, name: str) -> None:

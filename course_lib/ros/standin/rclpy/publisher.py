@@ -28,7 +28,7 @@ class Publisher(TopicEnd[MsgT]):
         time_lock.poll()
         handle.node.graph.publish(handle.id, msg if isinstance(msg, bytes) else serialize(msg))
         if self._course_deadline is not None:
-            self._course_deadline.note()
+            self._course_deadline.restart()
 
     def get_subscription_count(self) -> int:
         """Return the number of matched subscriptions."""

@@ -102,7 +102,7 @@ class ServiceEnd(Entity):
                 introspection_state,
             )
 
-    def _course_note_taken(self, client: int, number: int, cdr: bytes) -> None:
+    def _course_record_taken(self, client: int, number: int, cdr: bytes) -> None:
         """Publish the event of a received message, if introspection is enabled."""
         if self.__events is not None:
             self.__events.publish(self.__taken, client, number, deserialize(cdr, self.__received_type))
@@ -173,7 +173,7 @@ class Service(ServiceEnd):
         if not self._course_queue:
             return None
         client, number, cdr = self._course_queue.popleft()
-        self._course_note_taken(client, number, cdr)
+        self._course_record_taken(client, number, cdr)
         return partial(self._course_answer, client, number, deserialize(cdr, self.srv_type.Request))
 
     async def _course_answer(self, client: int, number: int, request: Any) -> None:

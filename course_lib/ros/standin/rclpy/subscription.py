@@ -102,14 +102,14 @@ class Subscription(Entity, TopicEnd[MsgT]):
         that a burst of messages does not delay other callbacks.
         """
         if self._course_deadline is not None:
-            self._course_deadline.note()
+            self._course_deadline.restart()
         full = len(self.__queue) == self.__capacity
         if full:
             self.__queue.popleft()
         self.__queue.append((cdr, source_ns, received_ns))
         if not full:
             self._course_node.mark_ready(self)
-            self._course_node.note_work()
+            self._course_node.record_work()
 
 
 def _takes_info(callback: Callable[..., object]) -> bool:

@@ -75,7 +75,7 @@ class Timer(Entity):
             )
         if autostart:
             self.__arm()
-            self._course_node.note_work()
+            self._course_node.record_work()
 
     @property
     def clock(self) -> Clock:
@@ -107,7 +107,7 @@ class Timer(Entity):
             raise marked(TypeError("'NoneType' object is not callable"), Mistake.NO_CALLBACK)
         return self.callback
 
-    def _course_note_time_taken(self, span_ns: int) -> None:
+    def _course_record_time_taken(self, span_ns: int) -> None:
         """Print a hint, once, if the callback took at least one period."""
         if self.__hinted or not 0 < self.__period_ns <= span_ns:
             return

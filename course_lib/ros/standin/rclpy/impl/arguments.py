@@ -62,7 +62,7 @@ class Remap:
 
 
 @dataclass
-class Asked:
+class RequestedNames:
     """The full names of topics and services, nodes and parameters of a program, and the applied rules."""
 
     topics: set[str] = field(default_factory=set)
@@ -85,8 +85,8 @@ class Arguments:
     warnings: list[str] = field(default_factory=list)
     # Hints about arguments that ROS does not read.
     ignored: list[str] = field(default_factory=list)
-    # What the nodes of the program asked for, and the rules that applied: for `find_unused`.
-    asked: Asked = field(default_factory=Asked)
+    # The names that nodes of the program requested, and the applied rules: for `find_unused`.
+    requested: RequestedNames = field(default_factory=RequestedNames)
 
     def remap_node(self, node_name: str, kind: str, name: str) -> str:
         """Apply the remapping rules to a node name (`kind` is __node) or namespace (__ns)."""
@@ -94,12 +94,12 @@ class Arguments:
 
     def remap(self, full: str, node_name: str, namespace: str, kind: names.Kind) -> str:
         """Apply the remapping rules to a fully qualified topic or service name."""
-        self.asked.topics.add(full)
+        self.requested.topics.add(full)
         for rule in self._of(node_name):
             if not rule.match.startswith("__") and rule.kind in (None, kind):
                 match, to = (names.expand_name(n, node_name, namespace, kind) for n in (rule.match, rule.to))
                 if match == full:
-                    self.asked.applied.add(rule.match)
+                    self.requested.applied.add(rule.match)
                     return to
         return full
 
@@ -110,29 +110,29 @@ class Arguments:
         that the command line has for this program.
         """
         yield from self.ignored
-        topics, nodes, declared = self.asked.topics, self.asked.nodes, self.asked.parameters
+        topics, nodes, declared = self.requested.topics, self.requested.nodes, self.requested.parameters
         for rule in self.remaps:
-            if not rule.match.startswith("__") and rule.match not in self.asked.applied:
+            if not rule.match.startswith("__") and rule.match not in self.requested.applied:
                 known = [topic for topic in topics if not topic.startswith(_OF_EACH_NODE)]
                 if near := nearest(rule.match if rule.match.startswith("/") else f"/{rule.match}", known):
                     yield f"nothing is called {rule.match}, so {rule.match}:={rule.to} has no effect. " + (
                         f"Did you mean {near}?"
                     )
         patterns = [pattern for pattern, _ in self.overrides]
-        if nodes and patterns and not self.asked.applied.intersection(patterns):
+        if nodes and patterns and not self.requested.applied.intersection(patterns):
             yield (
                 f"the parameters are for {join_words(sorted(set(patterns)))}, and the program's node is "
                 f"{join_words(sorted(nodes))}: in the file, the name of the node comes first."
             )
         for pattern, values in self.overrides:
-            for name in values if pattern in self.asked.applied else ():
+            for name in values if pattern in self.requested.applied else ():
                 near = "" if name in declared else nearest(name, declared - values.keys())
                 if near:
                     yield f"no node declares the parameter {name}. Did you mean {near}?"
 
     def parameters(self, full_node_name: str) -> dict[str, Parameter]:
         """Return the parameter overrides of one node, by parameter name."""
-        self.asked.nodes.add(full_node_name)
+        self.requested.nodes.add(full_node_name)
         parameters: dict[str, Parameter] = {}
         for nodes, values in self.overrides:
             # `*` matches one token of a full name, `**` any number of tokens.
@@ -140,7 +140,7 @@ class Arguments:
             wild = {"/**": r"(/\w+)*", "/*": r"(/\w+)"}
             pattern = "".join(wild.get(part, re.escape(part)) for part in parts)
             if re.fullmatch(pattern, full_node_name):
-                self.asked.applied.add(nodes)
+                self.requested.applied.add(nodes)
                 # In rcl an empty list has no type, so it is not a value.
                 parameters |= {n: Parameter(n, value=None if v == [] else v) for n, v in values.items()}
         return parameters
@@ -198,7 +198,7 @@ def merge_arguments(first: Arguments, second: Arguments) -> Arguments:
     """Merge two sets of arguments. The first one takes precedence."""
     levels = second.log_levels | first.log_levels
     remaps, overrides = first.remaps + second.remaps, second.overrides + first.overrides
-    return Arguments(remaps, overrides, levels, asked=second.asked)
+    return Arguments(remaps, overrides, levels, requested=second.requested)
 
 
 def strip_ros_arguments(args: Sequence[str]) -> list[str]:

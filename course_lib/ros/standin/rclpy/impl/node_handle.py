@@ -142,7 +142,7 @@ class NodeHandle:
     @executor.setter
     def executor(self, executor: NodeExecutor | None) -> None:
         self._executor = None if executor is None else weakref.ref(executor)
-        self.graph.state(ProgramNodes).unspun.pop(self.id, None)
+        self.graph.state(ProgramNodes).unspun_nodes.pop(self.id, None)
         if executor is not None:
             self.graph.state(ProgramNodes).forget_error(self.full_name)
             self._was_added = True
@@ -176,13 +176,13 @@ class NodeHandle:
         self.has_left = True
         self.graph.remove_node(self.id)
         self.graph.state(ProgramNodes).ids.discard(self.id)
-        self.graph.state(ProgramNodes).unspun.pop(self.id, None)
+        self.graph.state(ProgramNodes).unspun_nodes.pop(self.id, None)
         self._ready.clear()
 
-    def note_work(self) -> None:
+    def record_work(self) -> None:
         """Record, for a warning, a ready timer or message while no executor spins the node."""
         if self._executor is None and not self.has_left:
-            self.graph.state(ProgramNodes).unspun[self.id] = self.full_name
+            self.graph.state(ProgramNodes).unspun_nodes[self.id] = self.full_name
 
     def count_callbacks(self, change: int) -> None:
         """Record new or destroyed timers and subscriptions of a node that no executor has spun."""
@@ -292,7 +292,7 @@ class Entity:
         """
         raise NotImplementedError
 
-    def _course_note_time_taken(self, span_ns: int) -> None:
+    def _course_record_time_taken(self, span_ns: int) -> None:
         """Record that the callback took robot time [ns], because it slept or waited."""
 
 
