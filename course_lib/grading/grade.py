@@ -180,7 +180,12 @@ def _trials(exercise: str, solution: Path, course: store.Course) -> Iterator[Tri
         else (solution, notebook_text(exercise_from(read_notebook(solution))).encode()),
     }
     for name, (path, data) in texts.items():
-        cells = parse_notebook(data, path.name).cells
+        try:
+            cells = parse_notebook(data, path.name).cells
+        except CourseError as error:
+            command = "python -m course_lib.course.exercise"
+            advice = f" It is generated from {solution}: {command}" if path == stub else ""
+            raise CourseError(f"nothing is graded: {path.parent}: {error}{advice}") from None
         files = catalog.with_assets(week, working_files(path, cells))
         job = Job(cells, STUDENT, steps, catalog.course.limits, files, course.sandbox, course.refused)
         yield Trial(exercise, name, path, job)

@@ -133,7 +133,8 @@ class Scenario:
     def __post_init__(self) -> None:
         _require(self.name != "", "a scenario needs a name")
         _require_number("seconds", self.seconds)
-        _require(0 < self.seconds <= LONGEST, f"{self.seconds=}: expected 0 < seconds <= {LONGEST:g}")
+        expected = f"expected more than 0 and at most {LONGEST:g}"
+        _require(0 < self.seconds <= LONGEST, f"seconds={self.seconds:g}: {expected}")
         for name, item_type in {"inputs": Message, "calls": Call, "checks": Check}.items():
             _require_tuple(name, getattr(self, name), item_type)
         for message in self.inputs:

@@ -6,8 +6,9 @@ from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA, String
 from visualization_msgs.msg import Marker, MarkerArray
 
+from course_lib.errors import CourseError
 from course_lib.grading import expect_marker, expect_marker_count
-from course_lib.grading.evidence import Evidence
+from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.task import my
 
 TOPIC = "/visualization_marker"
@@ -419,3 +420,21 @@ def test_turn_about_another_axis_is_reported(evidence: MakeEvidence, cube: MakeC
 def test_frame_with_a_slash_is_explained(evidence: MakeEvidence, cube: MakeCube) -> None:
     recorded = evidence((1, TOPIC, cube(header__frame_id="/map")))
     assert expect_marker(TOPIC, frame="map").judge(recorded).message.endswith(": a frame's name has no slash")
+
+
+@pytest.mark.parametrize(
+    ("call", "expected"),
+    [
+        (lambda: expect_marker("/m", type="CUBEE"), r"expect_marker: type='CUBEE', .*Did you mean CUBE\?"),
+        (lambda: expect_marker_count("/m", 2, type="Cube"), r"type='Cube', expected one of ARROW, CUBE"),
+        (
+            lambda: expect_marker("m", type="CUBE"),
+            r"topic='m', expected a name that begins with a slash, '/m'",
+        ),
+    ],
+)
+def test_marker_type_or_topic_that_no_message_has_is_rejected(
+    call: Callable[[], Check], expected: str
+) -> None:
+    with pytest.raises(CourseError, match=expected):
+        call()

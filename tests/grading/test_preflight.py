@@ -85,6 +85,15 @@ def test_solution_without_full_marks_stops_grading_and_is_run_again_next_time(
     assert grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
 
 
+def test_empty_stub_stops_grading_with_the_command_that_generates_it(
+    course: Course, solve: Callable[[str], Path], tmp_path: Path
+) -> None:
+    solve(SOLVED)
+    (course.exercises / "week01_exercise.ipynb").write_text("")
+    with pytest.raises(CourseError, match=r"it is empty.*from .*: python -m course_lib\.course\.exercise$"):
+        grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
+
+
 def test_stub_with_points_stops_grading(course: Course, solve: Callable[[str], Path], tmp_path: Path) -> None:
     half = "    # solution: half of it\n    return length / 2\n    # end of solution\n"
     solve(SOLVED.replace(half, "    return length / 2\n"))

@@ -17,7 +17,7 @@ from numbers import Integral, Real
 from types import UnionType
 from typing import Any, Concatenate, ParamSpec, get_args
 
-from course_lib.errors import CourseError, join_words
+from course_lib.errors import CourseError, did_you_mean, join_words
 from course_lib.grading.evidence import Check, Evidence, Origin, Verdict, passed
 from course_lib.grading.task import My, resolve
 from course_lib.ros.messages import type_name
@@ -35,6 +35,8 @@ LENGTHS: Mapping[str, tuple[tuple[int, ...], str]] = {
     "center": ((2,), "x, y"),
     "color": ((3, 4), "red, green, blue and perhaps alpha"),
 }
+# Possible strings by check function and parameter.
+CHOICES: dict[tuple[str, str], Sequence[str]] = {}
 
 
 def check_arguments(name: str, parameters: Iterable[Parameter], values: Mapping[str, Any]) -> None:
@@ -54,6 +56,11 @@ def check_arguments(name: str, parameters: Iterable[Parameter], values: Mapping[
         if value is None or isinstance(value, My) or parameter.kind is Parameter.VAR_POSITIONAL:
             continue
         expected = _expected_type(parameter.annotation, value) or _expected_length(key, value)
+        choices = CHOICES.get((name, key), (value,))
+        if not expected and value not in choices:
+            expected = f"one of {', '.join(choices)}{did_you_mean(value, choices)}"
+        if not expected and key == "topic" and not value.startswith("/"):
+            expected = f"a name that begins with a slash, '/{value}'"
         if expected:
             raise CourseError(f"{name}: {key}={value!r}, expected {expected}")
 

@@ -31,6 +31,7 @@ from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.run.outcome import plain
 from course_lib.grading.task import My, resolve
 from course_lib.grading.vocabulary.check_function import (
+    CHOICES,
     Problem,
     are_angles_close,
     check_function,
@@ -164,6 +165,7 @@ Arguments = Mapping[str, Any]
 Find = Callable[[Evidence, Arguments, Any], list[Problem]]
 
 MARKER, CIRCLE, COUNT = "expect_marker", "expect_circle", "expect_marker_count"
+CHOICES.update({(name, "type"): TYPES for name in (MARKER, CIRCLE, COUNT)})
 SELECTING = ("topic", "at", "tolerance", "allow_others")  # arguments that are not a property of a marker
 SAME_TOLERANCE = 1e-6  # tolerance within which the numbers of two checks are equal
 MOST_MARKERS = 2_000  # limit on the markers of a topic that are compared with each check
