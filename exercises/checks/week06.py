@@ -180,13 +180,14 @@ CAMERA = Task(
     personal={"frame_rate": (12.0, 15.0, 18.0, 20.0, 24.0, 28.0)},  # [Hz]
 )
 
+# The order of the ifs, one of the faults, must not decide about the last part: all others require it.
 LEVELS = expect_levels(
     ("OK", "normal", "30 images in a second"),
-    ("WARN", "below normal", "24 images in a second"),
     ("WARN", "above normal", "36 images in a second"),
     ("ERROR", "low", "9 images in a second"),
+    ("WARN", "below normal", "24 images in a second"),
 )
-KEY_VALUE = {"status.0.values.0.key": "Rate (Hz)", "status.0.values.0.value": "9"}
+KEY_VALUE = {"status.0.values.0.key": "Rate (Hz)", "status.0.values.0.value": "24"}
 NAMES = {"status.0.name": "Front camera", "status.0.hardware_id": my("hardware_id")}
 
 
@@ -211,9 +212,9 @@ CAMERA_MONITOR = Task(
             seconds=12.5,  # [s]
             inputs=(
                 *camera_images(30.0, 0.0, 3.0),
-                *camera_images(24.0, 3.0, 6.0),
-                *camera_images(36.0, 6.0, 9.0),
-                *camera_images(9.0, 9.0, 12.5),
+                *camera_images(36.0, 3.0, 6.0),
+                *camera_images(9.0, 6.0, 9.0),
+                *camera_images(24.0, 9.0, 12.5),
             ),
             checks=lightly(
                 *LEVELS,
@@ -222,24 +223,24 @@ CAMERA_MONITOR = Task(
                 .worth(6)
                 .titled("name and hardware_id"),
                 expect_message(DIAGNOSTICS, KEY_VALUE).requiring(LEVELS[0]).titled("the KeyValue"),
-                expect_rate(DIAGNOSTICS, 1.0).requiring(LEVELS[0]).worth(0.2).titled("once a second"),
-                expect_stamps(DIAGNOSTICS).requiring(LEVELS[0]).worth(0.2).titled("the stamp"),
+                expect_rate(DIAGNOSTICS, 1.0).worth(0.2).titled("once a second"),
+                expect_stamps(DIAGNOSTICS).worth(0.2).titled("the stamp"),
             ),
         ),
         Scenario(
-            "at the limits, then silent",
+            "at the limits, and silent",
             seconds=12.5,  # [s]
             inputs=(
                 *camera_images(25.0, 0.0, 3.0),
                 *camera_images(35.0, 3.0, 6.0),
-                *camera_images(10.0, 6.0, 9.0),
+                *camera_images(10.0, 9.0, 12.5),
             ),
             checks=lightly(
                 *expect_levels(
                     ("OK", "normal", "25 images in a second"),
                     ("OK", "normal", "35 images in a second"),
-                    ("WARN", "below normal", "10 images in a second"),
                     ("ERROR", "low", "no images"),
+                    ("WARN", "below normal", "10 images in a second"),
                 )
             ),
         ),
