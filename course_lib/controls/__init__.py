@@ -99,7 +99,7 @@ def slider(
         decimals=2 if step is None or step % 1 else 0,
         description=description,
         description_width="10em",
-        layout={"width": "34em"},
+        layout={"width": "34em", "max_width": "100%"},
     )
     label = Label()
 

@@ -7,7 +7,7 @@ import pytest
 from playwright.sync_api import expect
 
 from tests.browser.axe import faults
-from tests.browser.jupyterlab import Lab, Notebook, opened
+from tests.browser.jupyterlab import VIEWPORT, Lab, Notebook, opened
 from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -20,6 +20,7 @@ CELLS = (
     "rclpy.init()\n"
     "publisher = JointStatePublisher(load_robot('ur10').urdf)",
     "joint_sliders(publisher)",
+    "from course_lib import slider\nslider('edge [m]', 0.1, 2.0, lambda edge: None)",
 )
 
 
@@ -71,3 +72,15 @@ def test_typed_position_is_clamped_and_can_be_centered(notebook: Notebook) -> No
     cell.get_by_role("button", name="Center").click()
     elbow_comes_to(notebook, 0.0, within=0.0)
     expect(number).to_have_value("0.000")
+
+
+def test_slider_fits_a_narrow_window(notebook: Notebook) -> None:
+    notebook.page.set_viewport_size({"width": 640, "height": 720})
+    cell = notebook.cell("edge [m]")
+    ends = """cell => ["input[type=number]", ".jp-OutputArea-output"]
+        .map(part => cell.querySelector(part).getBoundingClientRect().right)"""
+    try:
+        number_end, output_end = cell.evaluate(ends)
+        assert number_end <= output_end
+    finally:
+        notebook.page.set_viewport_size(VIEWPORT)
