@@ -98,6 +98,7 @@ HOME_MODULES = {
     "rosidl_runtime_py.get_interfaces": "rosidl_runtime_py",
     "rosidl_runtime_py.import_message": "rosidl_runtime_py.utilities",
     "rosidl_runtime_py.set_message": "rosidl_runtime_py",
+    "tf2_ros.static_transform_listener": "tf2_ros.transform_listener",
 }
 
 

@@ -22,10 +22,10 @@ from course_lib.recording import (
     Recording,
     bag_info,
     bag_metadata,
-    data_files,
     read_bag,
     topic_counts,
 )
+from course_lib.recording.storage import data_files
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.notices import say
 

@@ -20,8 +20,8 @@ from tf2_ros.buffer_interface import TransformRegistration as TransformRegistrat
 from tf2_ros.buffer_interface import TypeException as TypeException
 from tf2_ros.buffer_interface import convert as convert
 from tf2_ros.static_transform_broadcaster import StaticTransformBroadcaster as StaticTransformBroadcaster
-from tf2_ros.static_transform_listener import StaticTransformListener as StaticTransformListener
 from tf2_ros.transform_broadcaster import TransformBroadcaster as TransformBroadcaster
 from tf2_ros.transform_listener import DEFAULT_STATIC_TF_TOPIC as DEFAULT_STATIC_TF_TOPIC
 from tf2_ros.transform_listener import DEFAULT_TF_TOPIC as DEFAULT_TF_TOPIC
+from tf2_ros.transform_listener import StaticTransformListener as StaticTransformListener
 from tf2_ros.transform_listener import TransformListener as TransformListener

@@ -1,4 +1,4 @@
-"""The listener that fills a buffer with the transforms on /tf and /tf_static."""
+"""The listeners that fill a buffer with the transforms on /tf and /tf_static."""
 
 import threading
 from contextlib import suppress
@@ -76,3 +76,28 @@ class TransformListener:
         with suppress(ExternalShutdownException):
             self.executor.spin()
         self.executor.remove_node(self.node)
+
+
+class StaticTransformListener(TransformListener):
+    """Stores received static transforms in a buffer while its node is spun.
+
+    See TransformListener.
+    """
+
+    def __init__(
+        self,
+        buffer: Buffer,
+        node: Node,
+        *,
+        spin_thread: bool = False,
+        static_qos: QoSProfile | int | None = None,
+        tf_static_topic: str = DEFAULT_STATIC_TF_TOPIC,
+    ) -> None:
+        super().__init__(
+            buffer,
+            node,
+            spin_thread=spin_thread,
+            static_qos=static_qos,
+            tf_static_topic=tf_static_topic,
+            static_only=True,
+        )
