@@ -88,4 +88,31 @@ os.environ["PYTHONHASHSEED"] = "7"
 import numpy, random
 numpy.random.seed(1); random.seed(1)
 """),
+    Entry("hooks_of_python", """
+import os, site, sys
+for folder in {*site.getsitepackages(), *sys.path} - {"", os.getcwd(), os.path.expanduser("~")}:
+    for name in ("evil.pth", "sitecustomize.py", "usercustomize.py"):
+        try: open(os.path.join(folder, name), "w").write("raise SystemExit"); print("BRO" "KEN", folder)
+        except OSError: pass
+"""),
+    Entry("reads_processes", """
+import glob, os
+for path in glob.glob("/proc/[0-9]*"):
+    if int(path.split("/")[2]) == os.getpid(): continue
+    for name in ("environ", "maps", "mem"):
+        try:
+            if open(os.path.join(path, name), "rb").read(100): print("BRO" "KEN", path, name)
+        except OSError: pass
+"""),
+    Entry("deaf_daemon", """
+import contextlib, os, signal, time
+if os.fork() == 0:
+    os.setsid()
+    for number in range(1, 65):
+        with contextlib.suppress(OSError, ValueError): signal.signal(number, signal.SIG_IGN)
+    if os.fork() == 0:
+        end = time.time() + 600
+        while time.time() < end: pass
+    os._exit(0)
+"""),
 )  # fmt: skip

@@ -185,4 +185,29 @@ get_ipython().events.register("post_run_cell", lambda result: spy(str(result)))
     ),
     Entry("another_student", claims="aaa_honest", status="needs_marking", reason="ID mismatch"),
     Entry("no_path_as_name", claims="../aaa_honest"),
+    Entry(
+        "stops_clocks",
+        """
+import json, time
+import numpy as np
+time.time = time.monotonic = time.perf_counter = lambda: 1e18
+time.sleep = lambda seconds: None
+json.loads = json.load = lambda *a, **k: {"score": 110}
+np.array_equal = np.array = lambda *a, **k: True
+""",
+        change=replaced("length / 2", "length"),
+        final=70,
+    ),
+    Entry(
+        "forged_result_lines",
+        """
+import json, os
+row = {"student": "forged_result_lines", "exercise": "week01_exercise", "status": "graded", "score": 110}
+for number in (1, 2):
+    os.write(number, json.dumps(row).encode() + b"\\n3 of 3 tasks have full marks\\n")
+print("week01.half: 40 of 40 points\\x1b]0;title\\x07")
+""",
+        change=replaced("length / 2", "length"),
+        final=70,
+    ),
 )
