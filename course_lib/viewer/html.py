@@ -54,15 +54,15 @@ class Bundle(NamedTuple):
 @cache
 def bundle() -> Bundle:
     """Return the viewer's script."""
-    style = json.dumps((_FOLDER / "panels" / "desk.css").read_text("utf-8"))
+    style = json.dumps(re.sub(r"\s+", " ", (_FOLDER / "panels" / "desk.css").read_text("utf-8")))
     scripts = [f"const DESK_STYLE = {style};"]
     for name in _MODULES:
-        # All modules form one function, so their imports and exports are removed. Comments and
-        # indentation are removed because each page with a view holds the script.
+        # All modules form one function, so their imports and exports are removed. Comments,
+        # blank lines and indentation are removed because each page with a view holds the script.
         text = re.sub(r"/\*\*.*?\*/", "", (_FOLDER / f"{name}.js").read_text("utf-8"), flags=re.S)
         text = re.sub(r"^\s*//.*\n| +// .*$", "", text, flags=re.M)
         text = re.sub(r"^import [^;]*;$", "", text, flags=re.M)
-        scripts.append(re.sub(r"^(export |[ \t]+)", "", text, flags=re.M))
+        scripts.append(re.sub(r"^(export |\s+)", "", text, flags=re.M))
     # Importing meshcat would take a second, and its script as a string would take twice the memory.
     package = find_spec("meshcat")
     if package is None or package.origin is None:

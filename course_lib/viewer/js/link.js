@@ -68,8 +68,11 @@ export class Link {
     /** @param {any} message @param {DataView[]} [buffers] */
     this.receive = (message, buffers) => {
       this.contain(() => this.handlers[message.type]?.(message, buffers ?? []));
-      if (message.ask) this.send({ type: "ack", drawing: this.drawingTime() / 1000 });
       this.saveTimer ||= setTimeout(() => this.save(), SAVE_AFTER);
+      if (!message.ask) return;
+      // The least time of a few pictures of the slowest view in sight: one slow picture does not count.
+      const times = [...this.mirror.views].map((view) => (view.isInSight ? Math.min(...view.drawingTimes) : 0));
+      this.send({ type: "ack", drawing: Math.max(0, ...times) / 1000 });
     };
     /** @type {Player | null} plays the recording of a view at rest */
     this.player = null;
@@ -210,11 +213,6 @@ export class Link {
   reportViewCount() {
     this.send({ type: "views", count: this.mirror.views.size });
     this.onSightChange();
-  }
-
-  /** @returns {number} [ms] in which the slowest view in sight draws a change; 0 if no view has drawn one */
-  drawingTime() {
-    return Math.max(0, ...[...this.mirror.views].map((view) => (view.isInSight ? view.drawingTime() : 0)));
   }
 
   /** Report whether a view is in sight; that none is in sight is reported with a delay. */

@@ -14,7 +14,8 @@ const NOTCH = 12; // [px] motion with the right button that zooms like one notch
 const TURN_PAUSE = 500; // [ms] after the last turn of a view by hand
 const MESSAGE_TIME = 10_000; // [ms]
 const REST_AFTER = 700; // [ms] without a change, after which a picture is drawn with the highest quality
-const RECENT = 3; // pictures whose times determine how often Python sends changes
+/** Pictures whose times determine how often Python sends changes. */
+const RECENT = 3;
 const PICTURES = `${100 * (SHARE + GAP)}%`; // the width of a view that pictures take at its right edge
 const CORNER =
   "position:absolute;padding:1px 6px;font:13px/1.5 system-ui,sans-serif;color-scheme:light dark;" +
@@ -35,9 +36,10 @@ export class View {
     this.orbit = new Orbit();
     if (mirror.camera) this.orbit.setCamera(mirror.camera);
     this.request = 0;
-    this.requestedAt = 0; // [ms] time of the change that the next picture will be the first to show
+    /** @type {number} [ms] time of the change that the next picture will be the first to show */
+    this.requestedAt = 0;
     /** @type {number[]} [ms] from a change to its picture, of the last pictures */
-    this.drawingTimes = [];
+    this.drawingTimes = [0];
     this.pictures = 0; // number of pictures that were drawn
     this.drawnAt = -Infinity; // [ms] time of the last picture
     this.quality = new MotionQuality();
@@ -115,11 +117,6 @@ export class View {
     this.canvas.ariaBusy = "true"; // until a picture has the highest quality
     this.requestedAt = performance.now();
     this.request = requestAnimationFrame(() => this.draw());
-  }
-
-  /** @returns {number} [ms] from a change to its picture: the least of a few, so that one slow picture does not count */
-  drawingTime() {
-    return this.drawingTimes.length ? Math.min(...this.drawingTimes) : 0;
   }
 
   draw() {
