@@ -104,7 +104,7 @@ def get_launch_description_from_any_launch_file(launch_file_path: str | Path) ->
 
 
 class LaunchDescriptionSource:
-    """A launch description, and where it comes from.
+    """The location or the text of a launch file, or its launch description.
 
     `location` is a path after `get_launch_description` was called.
     """
