@@ -104,7 +104,7 @@ def get_launch_description_from_any_launch_file(launch_file_path: str | Path) ->
 
 
 class LaunchDescriptionSource:
-    """The location or the text of a launch file, or its launch description.
+    """A launch description, or the location of its file.
 
     `location` is a path after `get_launch_description` was called.
     """
