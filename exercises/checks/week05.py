@@ -80,7 +80,7 @@ ROBOT_LAYOUT = Task(
     kind="function",
     name="robot_layout",
     hints=(
-        "Add the displays with Add → By topic, open each by its triangle, then press Ctrl+S in the view.",
+        "Press Add (TF is below By display type), open each display by its triangle, then Ctrl+S.",
         "The scan needs Reliability Policy: Best Effort. Distance is in the panel Views, below Orbit.",
         "return Path('robot_layout.rviz').read_text(), after you have saved under that name.",
     ),

@@ -280,6 +280,10 @@ def _item_name(name: str, index: object) -> str:
 
 
 def _number_problem(value: float, expected: float, unit: str, name: str) -> Problem:
+    if isinstance(value, int) and isinstance(expected, int) and not unit:
+        relation = "too much" if value > expected else "too little"
+        offset = f"{abs(value - expected)} {relation}"
+        return Problem(f"{name} is {value}, expected {expected}: {offset}", WRONG)
     actual = f"{name} is {format_number(value, unit)}, expected {format_number(expected, unit)}"
     if not math.isfinite(value):
         return Problem(actual, "a value is not a finite number")
