@@ -116,6 +116,10 @@ def test_parameter_is_accepted_in_every_ros_notation(text: str) -> None:
         ("talker: {ros__parameters: {rate: 5}}", "rate of /talker is the integer 5, expected a double"),
         (
             "listener: {ros__parameters: {rate: 5.0}}",
+            "there is no rate for /talker in the file, only for /listener",
+        ),
+        (
+            "listener: {ros__parameters: {gain: 5.0}}",
             "there is no rate for /talker in the file, whose nodes are /listener",
         ),
         ("talker: {rate: 5.0}", "ROS rejects the file: Cannot have a value before ros__parameters at line 1"),
