@@ -457,5 +457,5 @@ def _convert(value: Any, expected: Any) -> Any:
         return {"true": True, "false": False}.get(value.lower(), value)
     if isinstance(value, str) and isinstance(expected, int | float):
         with suppress(ValueError):
-            return float(value)
+            return int(value) if isinstance(expected, int) and value.isdecimal() else float(value)
     return value
