@@ -231,8 +231,7 @@ def test_nested_item_is_reported_as_an_index() -> None:
     check = expect_value([[1, 2], {"a": [3]}], name="a bar")
     verdict = check.judge(Evidence("week01.t", "public", 1.0, returns=([[1, 5], {"a": [4]}],)))
     assert verdict.message == (
-        "[0][1] of a bar is 5.00, expected 2.00: 3.00 too much; "
-        "[1]['a'][0] of a bar is 4.00, expected 3.00: 1.00 too much"
+        "[0][1] of a bar is 5, expected 2: 3 too much; [1]['a'][0] of a bar is 4, expected 3: 1 too much"
     )
 
 

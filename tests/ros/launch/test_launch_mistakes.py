@@ -68,6 +68,11 @@ def test_substitution_as_a_reaction_is_reported_when_the_process_exits(
         ("def generate_launch_description(context): pass", "Write: def generate_launch_description():"),
         ("def generate_launch_description(): return [1]", "returned a list; end it with: return"),
         ("def generate_launch_description(): return None", "returned None; end it with: return"),
+        (
+            "from launch import LaunchDescription\n"
+            "def generate_launch_description(): return LaunchDescription().add_action(None)",
+            "returned None; end it with a return of the LaunchDescription; add_action() itself returns None",
+        ),
         ("def generate_test_description(): pass", "It is a test for launch_testing"),
     ],
 )

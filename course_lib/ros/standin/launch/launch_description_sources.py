@@ -79,9 +79,12 @@ def get_launch_description_from_python_launch_file(
     if not isinstance(description, LaunchDescriptionEntity):
         is_plain = description is None or isinstance(description, str | int | float)
         returned = repr(description) if is_plain else f"a {type(description).__name__}"
+        remedy = "end it with: return LaunchDescription([...])"
+        code = getattr(generate, "__code__", None)
+        if description is None and code is not None and "add_action" in code.co_names:
+            remedy = "end it with a return of the LaunchDescription; add_action() itself returns None"
         raise InvalidPythonLaunchFileError(
-            f"generate_launch_description() in '{file}' returned {returned}; end it "
-            "with: return LaunchDescription([...])"
+            f"generate_launch_description() in '{file}' returned {returned}; {remedy}"
         )
     return cast("LaunchDescription", description)
 
