@@ -160,16 +160,16 @@ HIDDEN = {
             seconds=12.5,  # [s]
             seed=8,
             inputs=(
-                *camera_images(35.0, 0.0, 3.0),
-                *camera_images(36.0, 3.0, 6.0),
+                *camera_images(36.0, 0.0, 3.0),
+                *camera_images(10.0, 3.0, 6.0),
                 *camera_images(25.0, 6.0, 9.0),
-                *camera_images(10.0, 9.0, 12.5),
+                *camera_images(35.0, 9.0, 12.5),
             ),
             checks=expect_levels(
-                ("OK", "normal", "35"),
                 ("WARN", "above normal", "36"),
-                ("OK", "normal", "25"),
                 ("WARN", "below normal", "10"),
+                ("OK", "normal", "25"),
+                ("OK", "normal", "35"),
             ),
         ),
     ),

@@ -102,7 +102,6 @@ RUN: list[Row] = [
         "std_msgs/msg/ColorRGBA has no field 'bleu' ('color.bleu')",
         "checks/week09.py line 53",
     ),
-    ("fields", [(PUBLIC, '"CYLINDER"', '"CYLINDR"')], "Did you mean CYLINDER", "checks/week09.py line 46"),
     (
         "wrong",
         [
@@ -179,6 +178,8 @@ READ: list[Row] = [
     ("files", [(PUBLIC, SHAPE, SHAPE.replace(".t", ".worth(-1).t"))], "the weight -1: expected a number", ""),
     ("files", [(PUBLIC, "(POST,)", "(PST,)")], "NameError: name 'PST' is not defined. Did you mean POST", ""),
     ("files", [(PUBLIC, "(POST,)", "(PST,)")], "checks/week09.py line 59: ", ""),
+    ("files", [(PUBLIC, '"CYLINDER"', '"CYLINDR"')], "week09.py line 46: expect_marker: type='CYL", ""),
+    ("files", [(PUBLIC, '"CYLINDER"', '"CYLINDR"')], "Did you mean CYLINDER", ""),
     ("files", [(TOML, "post = 100", "pots = 100")], "course.toml has points for ['week09.pots']", ""),
     ("files", [(TOML, "title = \"O", "titel = \"O")], "toml line 7: weeks: week09: titel: unknown key", ""),
     ("files", [(TOML, "post = 100", "post = 90")], "line 6: weeks: week09: points: they sum to 90", ""),

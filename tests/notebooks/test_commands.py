@@ -106,6 +106,7 @@ FILLED = {  # command with placeholders -> the command with values
 }
 RECORD = "course run my_node.py --seconds 5 --bag"
 FIRST = {  # prerequisites of a document
+    "student.md": ["course export my_lesson.ipynb --package my_robot --out src"],
     "week05_configurations.ipynb": [f"{RECORD} my_bag"],
     "week06_tooling.ipynb": [f"{RECORD} inspection"],
     "week07_dashboard.ipynb": [f"{RECORD} my_files/dashboard_bag"],
