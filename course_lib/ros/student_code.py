@@ -28,11 +28,16 @@ def frame_of(error: BaseException) -> FrameType | None:
     return trace.tb_frame if trace is not None else None
 
 
+def step_of_student(error: BaseException) -> tuple[FrameType, int] | None:
+    """Return the innermost frame, and its line, outside the kit, Python and its libraries."""
+    own = [step for step in walk_tb(error.__traceback__) if is_student_file(step[0].f_code.co_filename)]
+    return own[-1] if own else None
+
+
 def line_of_student(error: BaseException) -> str:
-    """Return the traceback's innermost line outside the kit, Python and its libraries, or ""."""
-    lines = [(frame.f_code.co_filename, number) for frame, number in walk_tb(error.__traceback__)]
-    own = [(name, number) for name, number in lines if is_student_file(name)]
-    return linecache.getline(*own[-1]) if own else ""
+    """Return the text of the line of `step_of_student`, or ""."""
+    step = step_of_student(error)
+    return linecache.getline(step[0].f_code.co_filename, step[1]) if step is not None else ""
 
 
 def is_native(kind: type) -> bool:

@@ -18,7 +18,7 @@ import numpy as np
 from course_lib.errors import format_count, join_words
 from course_lib.ros import near_names
 from course_lib.ros.messages.definitions import FieldDefinition, definition, type_names
-from course_lib.ros.student_code import frame_of, is_student_file, line_of_student
+from course_lib.ros.student_code import frame_of, line_of_student, step_of_student
 
 # The hint for None in a field of text, and in another one.
 _NONE_VALUE = (
@@ -363,12 +363,11 @@ def none_hint(error: BaseException, text: str) -> str:
 
 def _waiting_hint(error: BaseException, text: str) -> str:
     """Return the hint for a variable that is None until a callback has got a message, or ""."""
-    own = [step for step in walk_tb(error.__traceback__) if is_student_file(step[0].f_code.co_filename)]
-    inner = frame_of(error)
+    step, inner = step_of_student(error), frame_of(error)
     is_of_field = "field must be" in text and inner is not None and inner.f_locals.get("value", "") is None
-    if not own or not (is_of_field or "NoneType" in text):
+    if step is None or not (is_of_field or "NoneType" in text):
         return ""
-    frame, number = own[-1]
+    frame = step[0]
     lines = linecache.getlines(frame.f_code.co_filename)
     try:
         tree = ast.parse("".join(lines))
@@ -381,8 +380,7 @@ def _waiting_hint(error: BaseException, text: str) -> str:
         "self." + re.sub(rf"^_{class_name}(?=__)", "", name): value for name, value in attributes.items()
     }
     variables |= frame.f_globals | frame.f_locals
-    line = lines[number - 1] if number <= len(lines) else ""
-    names = set(re.findall(r"(?<![\w.])(?:self\.)?\w+", line)) & variables.keys()
+    names = set(re.findall(r"(?<![\w.])(?:self\.)?\w+", line_of_student(error))) & variables.keys()
     nothing = [name for name in names if variables[name] is None]
     if len(nothing) != 1:
         return ""
@@ -412,8 +410,7 @@ def _keeps_message(callback: ast.FunctionDef, name: str) -> bool:
 
 def lines_above(error: BaseException) -> Iterator[str]:
     """Yield the lines of the student's failing function from the failing one upwards."""
-    own = [step for step in walk_tb(error.__traceback__) if is_student_file(step[0].f_code.co_filename)]
-    if own:
-        frame, number = own[-1]
+    if step := step_of_student(error):
+        frame, number = step
         lines = linecache.getlines(frame.f_code.co_filename)
         yield from reversed(lines[frame.f_code.co_firstlineno - 1 : number])

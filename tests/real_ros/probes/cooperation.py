@@ -13,7 +13,7 @@ import rclpy
 from action_msgs.msg import GoalStatus
 from action_msgs.srv import CancelGoal
 from builtin_interfaces.msg import Time as TimeMessage
-from probing import Fibonacci, lines, main, outcome
+from probing import Fibonacci, lines, main, outcome, spun
 from rclpy.action import ActionClient, ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType, JumpThreshold
@@ -25,16 +25,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock as ClockMessage
 from std_srvs.srv import Trigger
-
-
-def spun(node: Any, ready: Any, seconds: float = 3.0, executor: Any = None) -> bool:
-    end = time.monotonic() + seconds
-    executor = executor or SingleThreadedExecutor()
-    executor.add_node(node)
-    while not ready() and time.monotonic() < end:
-        executor.spin_once(timeout_sec=0.1)
-    executor.shutdown()
-    return bool(ready())
 
 
 class Server:

@@ -15,7 +15,7 @@ import rclpy
 from geometry_msgs.msg import PoseStamped, Twist
 from lifecycle_msgs.msg import State as StateMessage
 from lifecycle_msgs.srv import ChangeState, GetAvailableStates, GetAvailableTransitions, GetState
-from probing import Fibonacci, lines, main, outcome
+from probing import Fibonacci, lines, main, outcome, response, spun
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
 from rcl_interfaces.srv import DescribeParameters, GetParameterTypes, ListParameters, SetParametersAtomically
 from rclpy.duration import Duration
@@ -33,16 +33,6 @@ from std_msgs.msg import Header, Int32, String
 from std_srvs.srv import SetBool, Trigger
 from type_description_interfaces.srv import GetTypeDescription
 from visualization_msgs.msg import Marker
-
-
-def spun(node: Any, ready: Any, seconds: float = 3.0, executor: Any = None) -> bool:
-    end = time.monotonic() + seconds
-    executor = executor or SingleThreadedExecutor()
-    executor.add_node(node)
-    while not ready() and time.monotonic() < end:
-        executor.spin_once(timeout_sec=0.1)
-    executor.shutdown()
-    return bool(ready())
 
 
 def ranged(descriptor: Any, value: Any, *new: Any) -> Any:
@@ -66,19 +56,11 @@ def floats(start: float, stop: float, step: float) -> Any:
 
 
 def parameter_service(kind: Any, name: str, request: Any, *fields: str) -> Any:
-    node, caller = Node("n"), Node("caller")
+    node = Node("n")
     node.declare_parameter("a.b", 1, ParameterDescriptor(description="d", read_only=True))
     node.declare_parameter("a.c", "text")
     node.declare_parameter("x", 1.5)
-    client = caller.create_client(kind, f"/n/{name}")
-    client.wait_for_service(2.0)
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
-    executor.add_node(caller)
-    future = client.call_async(request)
-    executor.spin_until_future_complete(future, 3.0)
-    executor.shutdown()
-    return future.result()
+    return response(node, kind, f"/n/{name}", request)
 
 
 def order_of_callbacks() -> Any:
@@ -539,18 +521,10 @@ def lived(*names: str) -> Any:
 
 
 def lifecycle_service(kind: Any, name: str, request: Any, *triggers: str) -> Any:
-    node, caller = Managed(), Node("caller")
+    node = Managed()
     for trigger in triggers:
         getattr(node, f"trigger_{trigger}")()
-    client = caller.create_client(kind, f"/m/{name}")
-    client.wait_for_service(2.0)
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
-    executor.add_node(caller)
-    future = client.call_async(request)
-    executor.spin_until_future_complete(future, 3.0)
-    executor.shutdown()
-    return future.result()
+    return response(node, kind, f"/m/{name}", request)
 
 
 def change(number: int, label: str = "", *triggers: str) -> Any:

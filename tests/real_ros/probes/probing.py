@@ -11,6 +11,7 @@ import json
 import os
 import re
 import sys
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -48,6 +49,36 @@ def outcome(call: Callable[..., object], *args: Any, **options: Any) -> str:
     text = re.sub(r"(incompatible (?:constructor|function) arguments\.).*", r"\1", text, flags=re.DOTALL)
     text = re.sub(r", at [^ ,|'\"]*\.(c|h|cpp):\d+|(?<=msg)\._\w+(?=\.)", "", text)
     return re.sub(r" at 0x[0-9a-f]+", " at 0x", text)
+
+
+def spun(node: Any, ready: Callable[[], object], seconds: float = 3.0, executor: Any = None) -> bool:
+    """Spin a node until `ready()` or the end of a time [s]; return the last `ready()`."""
+    from rclpy.executors import SingleThreadedExecutor
+
+    end = time.monotonic() + seconds
+    executor = executor or SingleThreadedExecutor()
+    executor.add_node(node)
+    while not ready() and time.monotonic() < end:
+        executor.spin_once(timeout_sec=0.1)
+    executor.shutdown()
+    return bool(ready())
+
+
+def response(node: Any, kind: Any, service: str, request: Any) -> Any:
+    """Return the response of a node's service to another node, or None after 3 s."""
+    from rclpy.executors import SingleThreadedExecutor
+    from rclpy.node import Node
+
+    caller = Node("caller")
+    client = caller.create_client(kind, service)
+    client.wait_for_service(2.0)
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    executor.add_node(caller)
+    future = client.call_async(request)
+    executor.spin_until_future_complete(future, 3.0)
+    executor.shutdown()
+    return future.result()
 
 
 def main() -> None:

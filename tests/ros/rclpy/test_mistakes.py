@@ -23,6 +23,7 @@ from tests.ros.rclpy.mistakes.names import NAMES
 from tests.ros.rclpy.mistakes.nodes import NODES
 from tests.ros.rclpy.mistakes.parameters import PARAMETERS
 from tests.ros.rclpy.mistakes.plain_python import PLAIN_PYTHON
+from tests.ros.rclpy.mistakes.sequences import SEQUENCES
 from tests.ros.rclpy.mistakes.services import SERVICES
 from tests.ros.rclpy.mistakes.times import TIMES
 from tests.ros.rclpy.mistakes.topics import TOPICS
@@ -46,7 +47,7 @@ from visualization_msgs.msg import Marker
 CODE = compile(PROGRAM, "program", "exec")
 # (program, last line of the error, hint below it)
 OF_ROS = [*NODES, *TOPICS, *MESSAGES, *PARAMETERS, *SERVICES, *TIMES, *FRAMES]
-MISTAKES = [*OF_ROS, *IMPORTS, *NAMES, *PLAIN_PYTHON]
+MISTAKES = [*OF_ROS, *IMPORTS, *NAMES, *PLAIN_PYTHON, *SEQUENCES]
 
 
 def transform(parent: str, child: str, second: int) -> TransformStamped:
