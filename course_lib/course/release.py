@@ -1,6 +1,7 @@
 """`course release`: the students' copy of the project, without answers and hidden checks."""
 
 import json
+import os
 import re
 import shutil
 import tomllib
@@ -61,7 +62,7 @@ def free_folder(out: Path) -> Path:
     """Return the folder for a release.
 
     Raises:
-        CourseError: It is not empty or is inside a folder that is released.
+        CourseError: It is not empty, is inside a folder that is released, or cannot be written.
     """
     root, out = checkout_root(), out.expanduser().resolve()
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
@@ -70,6 +71,9 @@ def free_folder(out: Path) -> Path:
         )
     if any(out.is_relative_to(root / name) for name in _released_names()):
         raise CourseError(f"{out} is inside the released files. Choose a folder elsewhere.")
+    nearest = next(folder for folder in (out, *out.parents) if folder.exists())
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise CourseError(f"Cannot write to {nearest}. Choose a folder in which you may write.")
     return out
 
 

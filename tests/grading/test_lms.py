@@ -156,7 +156,8 @@ def test_id_in_two_rows_gets_no_mark_in_either(fill: Fill) -> None:
         (CANVAS, "Week 1", "Section", "no ID in column 'Section'"),
         (CANVAS, "ID", "ID", "the marks would replace the IDs"),
         ("", "a", "b", "is not a CSV"),
-        ("PK\x03\x04\0\0,", "a", "b", "is not a CSV"),
+        ("P\0\0,", "a", "b", "is not a CSV"),
+        ("PK\x03\x04\0\0,", "a", "b", "is an Excel workbook, expected CSV. Open it and save it as CSV"),
         ("a,a,b\n", "a", "b", "2 columns are named 'a'"),
     ],
 )

@@ -21,6 +21,7 @@ from course_lib.third_party import read_bytes, read_json
 
 BOMS = {codecs.BOM_UTF8: "utf-8", codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
 DELIMITERS = (",", ";", "\t", "|")
+EXCEL = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")  # the first bytes of .xlsx and .xls
 
 
 @dataclass
@@ -50,6 +51,11 @@ class LmsFile:
             raise CourseError(
                 f"{path} can't be read: {error.strerror}. Pass the CSV file of a platform or a class."
             ) from error
+        if data.startswith(EXCEL):
+            raise CourseError(
+                f"{path} is an Excel workbook, expected CSV. Open it and save it as CSV UTF-8, "
+                "or export it from the platform as CSV."
+            )
         bom = next((bom for bom in BOMS if data.startswith(bom)), b"")
         encoding = BOMS.get(bom) or _guess_encoding(data)
         try:
