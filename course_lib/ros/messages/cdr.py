@@ -427,14 +427,16 @@ def serialize(message: RosMessage) -> bytes:
     Raises an AssertionError for an invalid value that bypassed the setters, for example by
     ``append``.
     """
+    pack = packer(message._TYPE_NAME)
     try:
-        return packer(message._TYPE_NAME)(message)
+        return pack(message)
     except (AttributeError, TypeError, ValueError, StructError):
+        # A valid value can bypass the setters, too: a list in `_data` is no array yet.
         try:
-            _check(message)
+            complete = _set_again(message)
         except AssertionError as complaint:
             raise complaint from None
-        raise
+        return pack(complete)
 
 
 def deserialize(cdr: bytes, cls: type[M]) -> M:
@@ -456,14 +458,18 @@ def compile_wire(type_name: str) -> None:
     unpacker(type_name, LITTLE)
 
 
-def _check(message: RosMessage) -> None:
-    """Run the setters' checks on all values of a message, the innermost first."""
-    for name, kind in message._KINDS.items():
-        value = getattr(message, name)
-        for inner in value if isinstance(value, list | tuple) else [value]:
-            if isinstance(inner, RosMessage):
-                _check(inner)
-        kind.check(value)
+def _set_again(message: RosMessage) -> RosMessage:
+    """Return a copy whose values went through the checks of the setters, the innermost first."""
+
+    def inner(value: Any) -> Any:
+        if isinstance(value, list | tuple):
+            return [inner(item) for item in value]
+        return _set_again(value) if isinstance(value, RosMessage) else value
+
+    copy = type(message)(check_fields=True)
+    for name in message._KINDS:
+        setattr(copy, name, inner(getattr(message, name)))
+    return copy
 
 
 def to_plain(value: Any, truncate: int | None = None) -> Any:

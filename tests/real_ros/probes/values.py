@@ -65,6 +65,17 @@ for _kind, _field in FIELDS:
     _values = NUMBERS | (FLOATS if _field != "data" else {})
     lines(_kind.__name__, **{name: _sent(_kind, _field, value) for name, value in _values.items()})
 lines("covariance", **{n: _sent(PoseWithCovariance, "covariance", v) for n, v in COVARIANCES.items()})
+# Programs that misspell an attribute pass by the setters: C then reads any sequence, and a buffer as it is.
+for _name in ("ints", "tuple", "range", "empty"):
+    lines(
+        "slot",
+        **{
+            f"{_kind.__name__}.{_name}": _sent(_kind, f"_{_field}", NUMBERS[_name])
+            for _kind, _field in FIELDS[2:]
+        },
+    )
+lines("slot", doubles=_sent(JointState, "_position", [1.5, 2.5]), floats=_sent(LaserScan, "_ranges", (1.5,)))
+lines("slot", octets=_sent(UInt8MultiArray, "_data", b"ab"))
 
 if __name__ == "__main__":
     main()

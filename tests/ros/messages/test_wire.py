@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
-from geometry_msgs.msg import PoseWithCovariance, Vector3
+from geometry_msgs.msg import Pose, PoseArray, PoseWithCovariance, Vector3
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
+from sensor_msgs.msg import Imu
 from std_msgs.msg import Bool, ByteMultiArray, ColorRGBA, Empty, Float64MultiArray, String
 from visualization_msgs.msg import Marker
 
@@ -135,9 +136,20 @@ def test_invalid_value_that_bypassed_the_setters_is_rejected_by_serialize() -> N
     assert raised.value.__suppress_context__  # the traceback is of the program alone
 
 
+def test_valid_values_that_bypassed_the_setters_are_serialized() -> None:
+    imu = Imu()
+    imu._orientation_covariance = [1.0] * 9  # type: ignore[attr-defined]
+    poses = PoseArray()
+    poses._poses = (Pose(), Pose())  # type: ignore[attr-defined]
+    assert deserialize(serialize(imu), Imu).orientation_covariance.tolist() == [1.0] * 9
+    assert len(deserialize(serialize(poses), PoseArray).poses) == 2
+    assert imu._orientation_covariance == [1.0] * 9  # type: ignore[attr-defined]
+
+
 UNCHECKED = """
 from course_lib.ros.programs import import_path; import_path.install()
 from course_lib.ros.messages import deserialize, serialize
+from sensor_msgs.msg import Imu
 from std_msgs.msg import Int32
 message = Int32(data="three")
 again = deserialize(serialize(Int32(data=3)), Int32)
