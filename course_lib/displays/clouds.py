@@ -327,7 +327,11 @@ class CloudDisplay(TopicDisplay):
                 self.context.scene.delete(self._displayed.pop(0).path)
         for cloud in self._new_clouds:
             if cloud is self._new_clouds[-1] or not self._is_old(cloud):
-                self._show(cloud)
+                self._cloud_count += 1
+                displayed = DisplayedCloud(cloud, f"{self.path}/clouds/{self._cloud_count}")
+                self._displayed.append(displayed)
+                self.context.scene.set_transform(displayed.path, cloud.transform_cloud_to_fixed)
+                self._draw(displayed)
         self._new_clouds = []
         count = sum(len(displayed.cloud.positions) for displayed in self._displayed)
         text = f"Showing [{count}] points from [{len(self._displayed)}] messages"
@@ -337,13 +341,6 @@ class CloudDisplay(TopicDisplay):
         """Return whether a cloud has expired; without a decay time the next one replaces it."""
         age = (self.context.now_ns - cloud.received_ns) / NS  # [s]
         return bool(age > self["Decay Time"] or not self["Decay Time"])
-
-    def _show(self, cloud: Cloud) -> None:
-        self._cloud_count += 1
-        displayed = DisplayedCloud(cloud, f"{self.path}/clouds/{self._cloud_count}")
-        self._displayed.append(displayed)
-        self.context.scene.set_transform(displayed.path, cloud.transform_cloud_to_fixed)
-        self._draw(displayed)
 
     def _draw(self, displayed: DisplayedCloud) -> None:
         style = self["Style"]
@@ -492,30 +489,29 @@ class LaserScanDisplay(CloudDisplay):
 
 
 def _project_scan(scan: Any, first: Transform, last: Transform) -> dict[str, AnyArray]:
-    """Return the end points of the beams in the fixed frame, and their intensities (laser_geometry)."""
+    """Return the end points of the beams in the fixed frame, and their intensities (laser_geometry).
+
+    Each point is transformed by its own interpolation between two transforms.
+    """
     ranges = np.asarray(scan.ranges, np.float64)
     with np.errstate(invalid="ignore"):
         beam = np.flatnonzero((ranges < scan.range_max) & (ranges >= scan.range_min))
     angles = scan.angle_min + beam * scan.angle_increment
     points = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles]) * ranges[beam, None]
-    transformed = _transform_by_time(points, beam / max(len(ranges) - 1, 1), first, last).astype(np.float32)
-    channels: dict[str, AnyArray] = dict(zip("xyz", transformed.T, strict=True))
+    if first.pose == last.pose:
+        transform = first.matrix()
+        transformed = points @ transform[:3, :3].T + transform[:3, 3]
+    else:
+        # tf2 interpolates over time, so the transforms get stamps that are one second apart.
+        start = Transform(first.parent, first.child, 0, *first.pose)
+        end = Transform(last.parent, last.child, NS, *last.pose)
+        share = beam / max(len(ranges) - 1, 1)
+        matrices = np.array([interpolate(start, end, round(part * NS)).matrix() for part in share])
+        transformed = (matrices[:, :3, :3] @ points[:, :, None])[..., 0] + matrices[:, :3, 3]
+    channels: dict[str, AnyArray] = dict(zip("xyz", transformed.astype(np.float32).T, strict=True))
     if len(scan.intensities) == len(ranges):
         channels["intensity"] = np.asarray(scan.intensities, np.float32)[beam]
     return channels
-
-
-def _transform_by_time(points: Matrix, share: Matrix, first: Transform, last: Transform) -> Matrix:
-    """Transform points, shape (N, 3), each by its own interpolation between two transforms."""
-    if first.pose == last.pose:
-        transform = first.matrix()
-        return points @ transform[:3, :3].T + transform[:3, 3]
-    # tf2 interpolates over time, so the transforms get stamps that are one second apart.
-    start = Transform(first.parent, first.child, 0, *first.pose)
-    end = Transform(last.parent, last.child, NS, *last.pose)
-    matrices = np.array([interpolate(start, end, round(part * NS)).matrix() for part in share])
-    transformed: Matrix = (matrices[:, :3, :3] @ points[:, :, None])[..., 0] + matrices[:, :3, 3]
-    return transformed
 
 
 def _scalar_properties(
@@ -849,32 +845,24 @@ class DepthCloudDisplay(CloudDisplay):
         depth = depths(image)
         points = project_depths(depth, self._info)
         rgb = np.full(points.shape, 255, np.uint8) if color is None else colors(color, depth.shape)
-        self._report_sizes(image, color, depth.shape, rgb.shape)
+        self.statuses.set("ok", "Depth Image Size", f"{depth.shape[1]} x {depth.shape[0]}")
+        if color is not None:
+            self.statuses.set("ok", "Image Size", f"{rgb.shape[1]} x {rgb.shape[0]}")
+            frames = image.header.frame_id, color.header.frame_id
+            wrong = "Depth image frame id [{}] doesn't match color image frame id [{}]".format(*frames)
+            hint = [f"RViz shows this warning briefly: {wrong}"] if len({*frames}) > 1 else []
+            self.statuses.hint("Frames", *hint)
         if self["Auto Size"] and self._info.k[0]:
             # Width of a pixel at a distance of 1 m, [m].
             width = self["Auto Size Factor"] / self._info.k[0] * (self._info.binning_x or 1)
             self._values["Size (m)"] = float(width)
         if self["Occlusion Compensation"]:
-            if self._shadows is None or self._shadows.shape != depth.shape or self._has_moved(transform):
+            way = np.linalg.norm(transform[:3, 3] - self._camera[:3, 3])  # [m]
+            turn = transform[:3, :3].T @ self._camera[:3, :3]
+            angle = np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1))
+            has_moved = way > _MAX_MOTION or angle > _MAX_TURN
+            if self._shadows is None or self._shadows.shape != depth.shape or has_moved:
                 self._shadows, self._camera = Shadows(depth.shape), transform
             now, timeout = self.context.now_ns / NS, self["Occlusion Time-Out"]
             points, rgb = self._shadows.with_hidden(points, rgb, now, timeout)
         self.keep(Cloud(_depth_channels(points, rgb), transform, self.context.now_ns))
-
-    def _report_sizes(
-        self, image: Any, color: Any, size: tuple[int, ...], color_size: tuple[int, ...]
-    ) -> None:
-        self.statuses.set("ok", "Depth Image Size", f"{size[1]} x {size[0]}")
-        if color is None:
-            return
-        self.statuses.set("ok", "Image Size", f"{color_size[1]} x {color_size[0]}")
-        frames = image.header.frame_id, color.header.frame_id
-        wrong = "Depth image frame id [{}] doesn't match color image frame id [{}]".format(*frames)
-        self.statuses.hint(
-            "Frames", *([f"RViz shows this warning briefly: {wrong}"] if len({*frames}) > 1 else [])
-        )
-
-    def _has_moved(self, transform: Matrix) -> bool:
-        turn = transform[:3, :3].T @ self._camera[:3, :3]
-        angle = np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1))
-        return bool(np.linalg.norm(transform[:3, 3] - self._camera[:3, 3]) > _MAX_MOTION or angle > _MAX_TURN)

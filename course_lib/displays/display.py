@@ -87,7 +87,16 @@ class RvizNode:
         """
         kind: Any = service_class(service)
         if name not in self._clients:
-            self._clients[name] = self._client(name, kind)
+            requests, replies = service_topics(name, type_name(kind.Request).removesuffix("_Request"))
+            client = self._clients[name] = self._graph.add_publisher(self._id(), *requests, _SERVICE)
+
+            def take(data: bytes, source_ns: int, received_ns: int) -> None:
+                addressee, number = SERVICE_HEADER.unpack_from(data)
+                if addressee == client and number in self._waiting:
+                    response = deserialize(data[SERVICE_HEADER.size :], kind.Response)
+                    self._waiting.pop(number)(response)
+
+            self._graph.add_subscription(self._id(), 0, *replies, _SERVICE, take)
         client, number = self._clients[name], next(self._numbers)
         self._waiting[number] = callback
         self._graph.publish(client, SERVICE_HEADER.pack(client, number) + serialize(kind.Request()))
@@ -105,20 +114,6 @@ class RvizNode:
             self._node = self._graph.add_node(NAME, "/")
             self._graph.human_nodes.add(self._node)
         return self._node
-
-    def _client(self, name: str, kind: Any) -> int:
-        """Add both endpoints of a client, and return the endpoint that sends requests."""
-        requests, replies = service_topics(name, type_name(kind.Request).removesuffix("_Request"))
-        client = self._graph.add_publisher(self._id(), *requests, _SERVICE)
-
-        def take(data: bytes, source_ns: int, received_ns: int) -> None:
-            addressee, number = SERVICE_HEADER.unpack_from(data)
-            if addressee == client and number in self._waiting:
-                response = deserialize(data[SERVICE_HEADER.size :], kind.Response)
-                self._waiting.pop(number)(response)
-
-        self._graph.add_subscription(self._id(), 0, *replies, _SERVICE, take)
-        return client
 
 
 # The time that a message waits for its transform before a hint is added, [ns].

@@ -101,7 +101,18 @@ def rgb_of(message: Any, limits: Limits) -> Pixels:
     """
     encoding = message.encoding
     if encoding in _YUV:
-        return _from_yuv(rows_of(message, "u1", 2), *_YUV[encoding])
+        # Pixels share chrominance in pairs. RViz converts them with integers.
+        pairs, (bright, u_at, v_at) = rows_of(message, "u1", 2), _YUV[encoding]
+        height, width = pairs.shape[:2]
+        if width < 2:
+            raise ValueError("the image is one pixel wide; its encoding shares colors between two pixels.")
+        four = pairs[:, : width // 2 * 2].reshape(height, -1, 4).astype(np.int32)
+        y = four[..., bright]
+        u, v = four[..., u_at, None] - 128, four[..., v_at, None] - 128
+        parts = [1403 * v, 344 * u - 714 * v, 1770 * u]
+        rgb = np.stack([y + np.trunc(part / 1000).astype(np.int32) for part in parts], axis=-1)
+        converted: Pixels = rgb.clip(0, 255).astype(np.uint8).reshape(height, -1, 3)
+        return converted
     if not is_supported(encoding):
         raise UnsupportedEncodingError(f"Unsupported image encoding [{encoding}]")
     kind = _ENCODINGS["mono8" if encoding.startswith("bayer") else encoding]
@@ -163,20 +174,6 @@ def rows_of(message: Any, kind: str, count: int) -> AnyArray:
     return np.ndarray((height, width, count), dtype, memoryview(message.data), 0, strides)
 
 
-def _from_yuv(pairs: Pixels, bright: tuple[int, int], u_at: int, v_at: int) -> Pixels:
-    """Convert pixels that share chrominance in pairs to RGB, with RViz's integer arithmetic."""
-    height, width = pairs.shape[:2]
-    if width < 2:
-        raise ValueError("the image is one pixel wide; its encoding shares colors between two pixels.")
-    four = pairs[:, : width // 2 * 2].reshape(height, -1, 4).astype(np.int32)
-    y = four[..., bright]
-    u, v = four[..., u_at, None] - 128, four[..., v_at, None] - 128
-    parts = [1403 * v, 344 * u - 714 * v, 1770 * u]
-    rgb = np.stack([y + np.trunc(part / 1000).astype(np.int32) for part in parts], axis=-1)
-    pixels: Pixels = rgb.clip(0, 255).astype(np.uint8).reshape(height, -1, 3)
-    return pixels
-
-
 def _median(values: deque[float], new: float, window: int) -> float:
     """Return the (upper) median of the last values, truncated to an integer as in RViz."""
     while len(values) > window - 1:
@@ -210,10 +207,6 @@ class PictureDisplay(TopicDisplay):
     def on_property_change(self, label: str) -> None:
         """Redraw in the next frame."""
         super().on_property_change(label)
-        self.redraw()
-
-    def redraw(self) -> None:
-        """Redraw in the next frame."""
         self._is_stale = True
 
     def reset(self) -> None:
@@ -392,7 +385,7 @@ class CameraDisplay(PictureDisplay):
 
     def _on_info(self, message: Any) -> None:
         self._info = message
-        self.redraw()
+        self._is_stale = True
 
     def _info_problem(self) -> tuple[Level, str]:
         """Return RViz's status for an invalid CameraInfo; the text is empty if it is valid."""
@@ -446,12 +439,16 @@ class CameraInfoDisplay(DrawnDisplay):
 
     def convert(self, message: Any, transform_frame_to_fixed: Matrix) -> Matrix | None:
         """Return the image corners' directions at a distance of 1 m, shape (4, 3), or None."""
-        rays = _rays(message)
-        if rays is None:
+        fx, cx, tx = message.p[[0, 2, 3]]
+        fy, cy, ty = message.p[[5, 6, 7]]
+        if not (np.isfinite(message.p).all() and fx and fy):
             self.statuses.set("error", "Camera Info", "Invalid intrinsic matrix")
-        else:
-            self.statuses.set("ok", "Camera Info", "OK")
-        return rays
+            return None
+        self.statuses.set("ok", "Camera Info", "OK")
+        width = (message.roi.width or message.width) // (message.binning_x or 1)
+        height = (message.roi.height or message.height) // (message.binning_y or 1)
+        x, y = (_CORNERS * (width, height)).T
+        return np.column_stack([(x - cx - tx) / fx, (y - cy - ty) / fy, np.ones(4)])
 
     def drawables(self) -> Mapping[str, Drawable]:
         """Return the edges and sides that the properties request."""
@@ -468,15 +465,3 @@ class CameraInfoDisplay(DrawnDisplay):
             squared = (*(channel**2 for channel in rgb), alpha)
             parts["sides"] = Mesh(points, _SIDES, squared, lit=False)
         return parts
-
-
-def _rays(info: Any) -> Matrix | None:
-    """Return the directions of the image corners of a CameraInfo; None without a focal length."""
-    fx, cx, tx = info.p[[0, 2, 3]]
-    fy, cy, ty = info.p[[5, 6, 7]]
-    if not (np.isfinite(info.p).all() and fx and fy):
-        return None
-    width = (info.roi.width or info.width) // (info.binning_x or 1)
-    height = (info.roi.height or info.height) // (info.binning_y or 1)
-    x, y = (_CORNERS * (width, height)).T
-    return np.column_stack([(x - cx - tx) / fx, (y - cy - ty) / fy, np.ones(4)])

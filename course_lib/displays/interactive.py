@@ -42,8 +42,8 @@ _NOT_SPUN = "The server answers while its node is spun, for instance by spin_for
 class ClientCallbacks:
     """Callbacks of a client."""
 
-    # Replaces all markers.
-    begin: Callable[[Iterable[motion.Message]], None]
+    # Draws markers.
+    show: Callable[[Iterable[motion.Message]], None]
     # Applies an InteractiveMarkerUpdate.
     follow: Callable[[motion.Message], None]
     clear: Callable[[], None]
@@ -181,7 +181,8 @@ class MarkerClient:
             self._queue.popleft()
         self._state = "running"
         self._set_status("ok", "Initialized")
-        self._actions.begin(response.markers)
+        self._actions.clear()
+        self._actions.show(response.markers)
 
     def _follow(self) -> None:
         """Apply the updates that tf2 can place, in order."""
@@ -306,7 +307,7 @@ class SceneMarker:
         # Header and pose received during a drag.
         self._requested: tuple[motion.Message, motion.Message] | None = None
         # Control and point of the last menu.
-        self._menu_request: tuple[str, Floats | None] = ("", None)
+        self.menu_request: tuple[str, Floats | None] = ("", None)
 
     def show(self, message: motion.Message) -> None:
         """Draw a message, replacing an earlier one."""
@@ -327,7 +328,7 @@ class SceneMarker:
             self._pressed_control = controls_by_name.get(self._pressed_control.message.name)
         text = f"Locked to frame {self._frame}" if self._is_locked else "Position is fixed."
         self._statuses.set("ok", message.name, text)
-        self._follow(changed=True)
+        self.update(changed=True)
 
     def move(self, header: motion.Message, pose: motion.Message) -> None:
         """Move to a pose from the server. During a drag, store the pose until the drag ends."""
@@ -335,15 +336,7 @@ class SceneMarker:
             self._requested = header, pose
             return
         self._set_pose(header, pose)
-        self._follow(changed=True)
-
-    def update(self) -> None:
-        """Follow the reference frame and the camera."""
-        self._follow(changed=False)
-
-    def control_at(self, path: str) -> SceneControl | None:
-        """Return the control that is drawn at a path of the scene."""
-        return next((c for c in self.controls if f"{path}/".startswith(f"{c.path}/")), None)
+        self.update(changed=True)
 
     def press(self, control: SceneControl, pointer: motion.Pointer, point: Floats | None) -> None:
         """Begin a drag; points and rays are in the fixed frame, [m]."""
@@ -386,13 +379,9 @@ class SceneMarker:
             requested, self._requested = self._requested, None
             self.move(*requested)
 
-    def open_menu(self, control: SceneControl, point: Floats | None) -> None:
-        """Store the position at which the menu was opened."""
-        self._menu_request = control.message.name, point
-
     def choose(self, entry: int) -> None:
         """Report the choice of a menu entry."""
-        name, point = self._menu_request
+        name, point = self.menu_request
         control = next((c for c in self.controls if c.message.name == name), self.controls[-1])
         self.report(MENU_SELECT, control, point, menu_entry_id=entry)
 
@@ -457,8 +446,8 @@ class SceneMarker:
         is_fixed = not self._is_locked or self._frame.removeprefix("/") == frames.fixed_frame
         return _IDENTITY if is_fixed else frames.transform(self._frame)
 
-    def _follow(self, changed: bool) -> None:
-        """Place the reference frame, and its contents if it or the camera has changed."""
+    def update(self, changed: bool = False) -> None:
+        """Follow the reference frame and the camera; place the contents if one has changed."""
         scene, frames = self._context.scene, self._context.frames
         reference = self._reference_now()
         before, self._last_view = self._last_view, (reference, scene.camera)
@@ -529,12 +518,9 @@ class InteractiveMarkersDisplay(Display):
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
         self.markers: dict[str, SceneMarker] = {}
+        # The scene node that contains all markers.
+        self.handles = f"{self.path}/handles"
         self._client: MarkerClient | None = None
-
-    @property
-    def handles(self) -> str:
-        """The scene node that contains all markers."""
-        return f"{self.path}/handles"
 
     def start(self) -> None:
         """Connect to the server, if the display is enabled and has a namespace."""
@@ -581,17 +567,22 @@ class InteractiveMarkersDisplay(Display):
         Controls that no longer exist are ignored.
         """
         marker = self._marker_at(order.path)
-        control = marker.control_at(order.path) if marker is not None else None
+        controls = [] if marker is None else marker.controls
+        control = next((c for c in controls if f"{order.path}/".startswith(f"{c.path}/")), None)
         if marker is None or control is None:
             return ()
         point = None if order.point is None else np.array(order.point)
-        if order.button == _LEFT:
-            _drag(marker, control, order)
+        if order.button == _LEFT and order.event == "down":
+            marker.press(control, _pointer(order), point)
+        elif order.button == _LEFT and order.event == "move":
+            marker.drag(_pointer(order), order.shift, order.ctrl)
+        elif order.button == _LEFT:
+            marker.release(control, point)
         mode = control.message.interaction_mode
         is_asked = order.button == _RIGHT or (order.button == _LEFT and mode == motion.MENU)
         if order.event != "up" or not is_asked:
             return ()
-        marker.open_menu(control, point)
+        marker.menu_request = control.message.name, point
         return tuple(_items(marker.message.menu_entries))
 
     def show_only(self, path: str | None) -> None:
@@ -624,7 +615,7 @@ class InteractiveMarkersDisplay(Display):
         if name == "/":
             self.statuses.set("error", LABEL, "Error connecting: empty namespace")
             return
-        actions = ClientCallbacks(self._begin, self._follow, self._clear)
+        actions = ClientCallbacks(self._show, self._follow, self._clear)
         transparent = self["Enable Transparency"]
         self._client = MarkerClient(self.context, name, self.statuses, actions, transparent)
         updates = f"{name}/update"
@@ -638,13 +629,19 @@ class InteractiveMarkersDisplay(Display):
         for name in list(self.markers):
             self._erase(name)
 
-    def _begin(self, markers: Iterable[motion.Message]) -> None:
-        self._clear()
-        self._show(markers)
-
     def _follow(self, update: motion.Message) -> None:
         self._show(update.markers)
-        self._move(update.poses)
+        for message in update.poses:
+            if not all(map(isfinite, _pose_numbers(message.pose))):
+                self.statuses.set("error", message.name, "Pose message contains invalid floats!")
+                break
+            if message.name not in self.markers:
+                self._stop(f"it has no marker {message.name!r}.")
+                # RViz's text has only one quotation mark.
+                text = f"Pose received for non-existing marker '{message.name}"
+                self.statuses.set("error", message.name, text)
+                break
+            self.markers[message.name].move(message.header, message.pose)
         for name in update.erases:
             self._erase(name)
 
@@ -670,19 +667,6 @@ class InteractiveMarkersDisplay(Display):
                 self.markers[message.name].show(message)
                 self._apply_visibility(self.markers[message.name])
 
-    def _move(self, poses: Iterable[motion.Message]) -> None:
-        for message in poses:
-            if not all(map(isfinite, _pose_numbers(message.pose))):
-                self.statuses.set("error", message.name, "Pose message contains invalid floats!")
-                return
-            if message.name not in self.markers:
-                self._stop(f"it has no marker {message.name!r}.")
-                # RViz's text has only one quotation mark.
-                text = f"Pose received for non-existing marker '{message.name}"
-                self.statuses.set("error", message.name, text)
-                return
-            self.markers[message.name].move(message.header, message.pose)
-
     def _stop(self, reason: str) -> None:
         if self._client is not None:
             self._client.stop(reason)
@@ -696,17 +680,6 @@ class InteractiveMarkersDisplay(Display):
         self.context.scene.set_visible(f"{marker.path}/axes", self["Show Axes"])
         self.context.scene.set_visible(f"{marker.path}/title", self["Show Descriptions"])
         marker.shows_aids = self["Show Visual Aids"]
-
-
-def _drag(marker: SceneMarker, control: SceneControl, order: UseControl) -> None:
-    """Press, move or release a control with the left button."""
-    point = None if order.point is None else np.array(order.point)
-    if order.event == "down":
-        marker.press(control, _pointer(order), point)
-    elif order.event == "move":
-        marker.drag(_pointer(order), order.shift, order.ctrl)
-    else:
-        marker.release(control, point)
 
 
 def _pointer(order: UseControl) -> motion.Pointer:

@@ -278,20 +278,16 @@ class _LayoutReader:
             expected_type = (
                 kind if index == len(path) - 1 else (list if isinstance(path[index + 1], int) else dict)
             )
-            if not isinstance(value, expected_type):
-                if value is not None:
-                    self._problem(path[: index + 1], value, expected_type)
-                return kind()
+            if isinstance(value, expected_type):
+                continue
+            if value is not None:
+                line, column = self._parsed.places.get(path[: index + 1], (1, 1))
+                form = "a list (lines that begin with '- ')"
+                if expected_type is dict:
+                    form = "a map (lines like 'Name: value')"
+                name = key if isinstance(key, str) else f"{str(path[index - 1]).removesuffix('s')} {key + 1}"
+                text = f"line {line}, column {column}: {name!r} is {str(value)[:40]!r}, expected {form}."
+                if text not in self._problems:
+                    self._problems.append(text)
+            return kind()
         return value
-
-    def _problem(self, path: tuple[str | int, ...], value: Any, expected_type: type) -> None:
-        line, column = self._parsed.places.get(path, (1, 1))
-        form = (
-            "a map (lines like 'Name: value')"
-            if expected_type is dict
-            else "a list (lines that begin with '- ')"
-        )
-        name = path[-1] if isinstance(path[-1], str) else f"{str(path[-2]).removesuffix('s')} {path[-1] + 1}"
-        text = f"line {line}, column {column}: {name!r} is {str(value)[:40]!r}, expected {form}."
-        if text not in self._problems:
-            self._problems.append(text)

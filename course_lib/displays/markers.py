@@ -114,18 +114,40 @@ def solid(marker: Any) -> MarkerDrawing:
 
 
 def arrow(marker: Any) -> MarkerDrawing:
-    """Draw an arrow along +x of the pose, or between two points given in the frame of the pose."""
+    """Draw an arrow along +x of the pose, or between two points given in the frame of the pose.
+
+    With two points, the scale contains the diameters of shaft and head, and the head length.
+    """
     if len(marker.points) == 1:
         return rejected_drawing(
             f"Arrow marker [{label(marker)}] only specified one point of a point to point arrow."
         )
+    scale, color = scale_of(marker), rgba(marker.color)
+    status: tuple[Level, str] | None = None
     if len(marker.points) == 2:
-        return _arrow_between(marker)
-    length, width, height = scale = scale_of(marker)
-    shaft = placement(ALONG_X, (width, height, SHAFT * length), (SHAFT * length / 2, 0.0, 0.0))
-    head_center = ((SHAFT + HEAD / 2) * length, 0.0, 0.0)
-    head = placement(ALONG_X, (2 * width, 2 * height, HEAD * length), head_center)
-    return _arrow(marker, shaft, head, None if scale.all() else _FLAT)
+        start, end = points_of(marker)
+        distance = float(np.linalg.norm(end - start))
+        shaft_diameter, head_diameter, head_length = scale
+        if shaft_diameter + head_diameter == 0:
+            status = ("warn", "Scale of 0 in both x and y")
+        if not distance:
+            return MarkerDrawing(status=status)
+        head_length = min(max(head_length, 0.0), distance) if head_length else HEAD * distance
+        shaft_length = distance - head_length
+        along = rotation_to((end - start) / distance)
+        shaft_size = (shaft_diameter, shaft_diameter, shaft_length)
+        head_size = (head_diameter, head_diameter, head_length)
+        shaft = placement(along, shaft_size, start + along[:, 2] * shaft_length / 2)
+        head = placement(along, head_size, end - along[:, 2] * head_length / 2)
+    else:
+        length, width, height = scale
+        shaft = placement(ALONG_X, (width, height, SHAFT * length), (SHAFT * length / 2, 0.0, 0.0))
+        head_center = ((SHAFT + HEAD / 2) * length, 0.0, 0.0)
+        head = placement(ALONG_X, (2 * width, 2 * height, HEAD * length), head_center)
+        status = None if scale.all() else _FLAT
+    return MarkerDrawing(
+        {"shaft": Solids("cylinder", [shaft], color), "head": Solids("cone", [head], color)}, status
+    )
 
 
 def text(marker: Any) -> MarkerDrawing:
@@ -138,40 +160,6 @@ def text(marker: Any) -> MarkerDrawing:
         return MarkerDrawing()
     return MarkerDrawing(
         {"text": Text(marker.text, abs(height), rgba(marker.color), space_width=abs(space_width))}
-    )
-
-
-def _arrow_between(marker: Any) -> MarkerDrawing:
-    """Draw an arrow between two points.
-
-    The scale contains the diameters of shaft and head, and the head length.
-    """
-    start, end = points_of(marker)
-    distance = float(np.linalg.norm(end - start))
-    shaft_diameter, head_diameter, head_length = scale_of(marker)
-    status: tuple[Level, str] = ("warn", "Scale of 0 in both x and y")
-    warning = status if shaft_diameter + head_diameter == 0 else None
-    if not distance:
-        return MarkerDrawing(status=warning)
-    head_length = min(max(head_length, 0.0), distance) if head_length else HEAD * distance
-    shaft_length = distance - head_length
-    along = rotation_to((end - start) / distance)
-    shaft_size = (shaft_diameter, shaft_diameter, shaft_length)
-    head_size = (head_diameter, head_diameter, head_length)
-    shaft = placement(along, shaft_size, start + along[:, 2] * shaft_length / 2)
-    head = placement(along, head_size, end - along[:, 2] * head_length / 2)
-    return _arrow(marker, shaft, head, warning)
-
-
-def _arrow(
-    marker: Any,
-    shaft: Floats,
-    head: Floats,
-    status: tuple[Level, str] | None,
-) -> MarkerDrawing:
-    color = rgba(marker.color)
-    return MarkerDrawing(
-        {"shaft": Solids("cylinder", [shaft], color), "head": Solids("cone", [head], color)}, status
     )
 
 
@@ -269,9 +257,19 @@ def triangles(marker: Any) -> MarkerDrawing:
     textured = _textured_triangles(marker, scale)
     if textured is not None:
         return MarkerDrawing({"mesh": textured}, status)
-    each = _colors(marker)
-    lit = each is None
-    mesh = Mesh(points_of(marker) * scale, None, rgba(marker.color) if each is None else each, lit=lit)
+    # RViz multiplies alphas, but blends only if a corner's color is transparent or, with one color
+    # per triangle, if the marker's color is.
+    each, is_blended = None, False
+    if has_colors(marker):
+        each = colors(marker)
+        is_blended = each[:, 3].min() < OPAQUE_FROM
+    elif has_face_colors(marker):
+        each = np.repeat(colors(marker), 3, axis=0)
+        is_blended = marker.color.a < OPAQUE_FROM
+    if each is not None:
+        each[:, 3] = each[:, 3] * rgba(marker.color)[3] if is_blended else 1.0
+    color = rgba(marker.color) if each is None else each
+    mesh = Mesh(points_of(marker) * scale, None, color, lit=each is None)
     return MarkerDrawing({"mesh": mesh}, status)
 
 
@@ -337,24 +335,6 @@ def _decode(texture: _Texture) -> Pixels | None:
 def has_face_colors(marker: Any) -> bool:
     """Return whether there is one color per triangle."""
     return len(marker.colors) == len(marker.points) // 3
-
-
-def _colors(marker: Any) -> Floats | None:
-    """Return the colors of the corners, shape (N, 4), or None if the marker has a single color.
-
-    RViz multiplies alphas, but blends only if a corner's color is transparent or, with one color
-    per triangle, if the marker's color is.
-    """
-    if has_colors(marker):
-        each = colors(marker)
-        blended = each[:, 3].min() < OPAQUE_FROM
-    elif has_face_colors(marker):
-        each = np.repeat(colors(marker), 3, axis=0)
-        blended = marker.color.a < OPAQUE_FROM
-    else:
-        return None
-    each[:, 3] = each[:, 3] * rgba(marker.color)[3] if blended else 1.0
-    return each
 
 
 # The function that draws each type, by the constants of visualization_msgs/msg/Marker.

@@ -3,7 +3,6 @@
 import asyncio
 import sys
 from collections import Counter
-from collections.abc import Mapping
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -149,15 +148,14 @@ def _likely_fixed_frame(session: RvizSession, recording: Recording) -> str:
         else:
             markers = [message] if sample.type_name == MARKER else message.markers
             marker_frames += [marker.header.frame_id for marker in markers if marker.action == ADD]
-    roots = Counter(_root(frame, parents) for frame in marker_frames or parents)
+    roots = Counter[str]()
+    for frame in marker_frames or parents:
+        root = frame
+        # In a cycle, each frame is visited once.
+        for _ in parents:
+            root = parents.get(root, root)
+        roots[root] += 1
     return roots.most_common(1)[0][0] if roots else "map"
-
-
-def _root(frame: str, parents: Mapping[str, str]) -> str:
-    """Return the root of a frame's tree; in a cycle, each frame is visited once."""
-    for _ in parents:
-        frame = parents.get(frame, frame)
-    return frame
 
 
 def view(

@@ -177,21 +177,18 @@ class DrawnLink:
         self._body = link.inertial
         self._transform: Matrix | None = None
         self._settings: LinkSettings | None = None
+        # Whether the link is drawn without a transform; None before it is drawn.
+        self.is_shown_as_lost: bool | None = None
         # Settings with which each kind was drawn.
         self._drawn_settings: dict[str, object] = {}
         self._trail: deque[Matrix] = deque(maxlen=_TRAIL_STEPS)
         self._shapes = {"visual": link.visuals, "collision": link.collisions}
 
-    @property
-    def is_shown_as_lost(self) -> bool | None:
-        """Whether the link is drawn without a transform; None before it is drawn."""
-        return None if self._settings is None else self._settings.is_lost
-
     def show(self, settings: LinkSettings) -> None:
         """Show the requested parts, and hide the others."""
         if settings == self._settings:
             return
-        self._settings = settings
+        self._settings, self.is_shown_as_lost = settings, settings.is_lost
         for kind, is_shown in settings.shown.items():
             node = f"{self._path}/{kind}"
             look = (settings.alpha, settings.is_lost) if kind in self._shapes else None

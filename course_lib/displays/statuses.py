@@ -111,19 +111,19 @@ class StatusTable(list[StatusRow]):
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
-        return f'<table style="font-size: 90%; line-height: 1.2">{_HEAD}{"".join(map(_row, self))}</table>'
-
-
-def _row(row: StatusRow) -> str:
-    """Format a row as HTML, with a title if it needs one."""
-    icon, word, color = LEVELS[row.level]
-    note = "from this viewer; RViz2 shows no status here" if row.level == "hint" else NOTES.get(row.name, "")
-    title = f' title="{note}"' if note else ""
-    return (
-        f"<tr{title}><td>{escape(row.display)}</td><td>{escape(row.name)}</td>"
-        f'<td style="color: {_READABLE.format(color)}; white-space: nowrap">{icon} {word}</td>'
-        f'<td style="text-align: left">{escape(row.text)}</td></tr>'
-    )
+        lines = []
+        for row in self:
+            icon, word, color = LEVELS[row.level]
+            note = NOTES.get(row.name, "")
+            if row.level == "hint":
+                note = "from this viewer; RViz2 shows no status here"
+            title = f' title="{note}"' if note else ""
+            lines.append(
+                f"<tr{title}><td>{escape(row.display)}</td><td>{escape(row.name)}</td>"
+                f'<td style="color: {_READABLE.format(color)}; white-space: nowrap">{icon} {word}</td>'
+                f'<td style="text-align: left">{escape(row.text)}</td></tr>'
+            )
+        return f'<table style="font-size: 90%; line-height: 1.2">{_HEAD}{"".join(lines)}</table>'
 
 
 # Characters of an exception's text in a status.
@@ -182,27 +182,21 @@ def describe(error: Exception) -> str:
     own_line = line_of_traceback(error.__traceback__)
     if own_line:
         return f"{error_text} ({own_line})"
-    _warn(error, error_text)
-    return (
-        f"{error_text}. This is an error of the viewer, not of your program; everything else is still shown."
-    )
-
-
-def _warn(error: Exception, error_text: str) -> None:
-    """Issue a warning with the innermost line of the kit, once per line and exception type."""
+    # One warning for each line of the kit and type of exception, with the innermost line.
     lines = [(frame.f_code.co_filename, line) for frame, line in walk_tb(error.__traceback__)]
     file, line = next(((f, n) for f, n in reversed(lines) if f.startswith(KIT)), ("", 0))
     place = (file, line, type(error))
-    if place in _warned:
-        return
-    _warned.add(place)
-    where = (
-        f"course_lib/{Path(file).relative_to(KIT).as_posix()}, line {line}" if file else "an unknown place"
-    )
-    warnings.warn(
-        f"A display failed with {error_text}, in {where}. This is an error of the kit: please "
-        "report it with this "
-        "line. Your program continues, and the display's status describes the error.",
-        DisplayFaultWarning,
-        stacklevel=4,
+    if place not in _warned:
+        _warned.add(place)
+        name = Path(file).relative_to(KIT).as_posix() if file else ""
+        where = f"course_lib/{name}, line {line}" if file else "an unknown place"
+        warnings.warn(
+            f"A display failed with {error_text}, in {where}. This is an error of the kit: please "
+            "report it with this line. Your program continues, and the display's status describes "
+            "the error.",
+            DisplayFaultWarning,
+            stacklevel=3,
+        )
+    return (
+        f"{error_text}. This is an error of the viewer, not of your program; everything else is still shown."
     )

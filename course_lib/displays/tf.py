@@ -1,11 +1,11 @@
 """RViz's TF, Axes and Grid displays, which have no Topic property."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import lru_cache, partial, reduce
 from importlib import import_module
 from math import floor
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -25,7 +25,6 @@ from course_lib.displays.properties import (
     words,
 )
 from course_lib.displays.shapes import AXIS_COLORS, axes, placement, rotation_to
-from course_lib.displays.statuses import Level
 from course_lib.viewer.drawables import Drawable, Lines, Solids, Text
 from course_lib.viewer.scene import Scene
 
@@ -41,6 +40,10 @@ _MOST_LINES = 100_000
 class ReferenceDisplay(Display):
     """Base class of displays that depend only on their properties, and follow their Reference Frame."""
 
+    # RViz's statuses. The second one is a format string for the reference frame, the fixed frame and
+    # tf2's reason.
+    transform_ok: ClassVar[str]
+    transform_problem: ClassVar[str]
     properties = (*Display.properties, Property("Reference Frame", FIXED_FRAME, frame))
 
     def __init__(self, *args: Any) -> None:
@@ -55,10 +58,6 @@ class ReferenceDisplay(Display):
     def offset(self) -> Matrix:
         """Return the transform from the drawable to the reference frame, shape (4, 4)."""
         return np.eye(4)
-
-    def transform_status(self, reference: str, is_known: bool) -> tuple[Level, str]:
-        """Return RViz's status of the reference frame."""
-        raise NotImplementedError
 
     def on_property_change(self, label: str) -> None:
         """Redraw in the next frame."""
@@ -77,26 +76,28 @@ class ReferenceDisplay(Display):
         name = self["Reference Frame"]
         reference = self.context.frames.fixed_frame if name == FIXED_FRAME else name
         transform = self.context.frames.transform(reference)
-        level, status = self.transform_status(reference, transform is not None)
-        self.statuses.set(level, "Transform", status)
+        if transform is not None:
+            self.statuses.set("ok", "Transform", self.transform_ok)
+        else:
+            reason = self.context.frames.problem(reference) or ""
+            problem = self.transform_problem.format(reference, self.context.frames.fixed_frame, reason)
+            self.statuses.set("error", "Transform", problem)
         if transform is not self._placed_with or not self._is_drawn:
-            self._draw(transform)
-
-    def _draw(self, transform_reference_to_fixed: Matrix | None) -> None:
-        self._placed_with, scene = transform_reference_to_fixed, self.context.scene
-        node = f"{self.path}/drawing"
-        scene.set_visible(node, transform_reference_to_fixed is not None)
-        if transform_reference_to_fixed is not None:
-            scene.set_transform(node, transform_reference_to_fixed @ self.offset())
-        if not self._is_drawn:
-            scene.set_object(node, self.drawing())
-            self._is_drawn = True
+            self._placed_with, scene = transform, self.context.scene
+            node = f"{self.path}/drawing"
+            scene.set_visible(node, transform is not None)
+            if transform is not None:
+                scene.set_transform(node, transform @ self.offset())
+            if not self._is_drawn:
+                scene.set_object(node, self.drawing())
+                self._is_drawn = True
 
 
 class AxesDisplay(ReferenceDisplay):
     """The axes of a frame."""
 
     class_name = "rviz_default_plugins/Axes"
+    transform_ok, transform_problem = "Transform OK", "{2}"
     properties = (
         *ReferenceDisplay.properties,
         Property("Length", 1.0, number(0.0001)),  # [m]
@@ -107,15 +108,12 @@ class AxesDisplay(ReferenceDisplay):
         """Return the three cylinders."""
         return axes(self["Length"], self["Radius"])
 
-    def transform_status(self, reference: str, is_known: bool) -> tuple[Level, str]:
-        """Return RViz's status of the reference frame, with tf2's reason if it is unknown."""
-        return ("ok", "Transform OK") if is_known else ("error", self.context.frames.problem(reference) or "")
-
 
 class GridDisplay(ReferenceDisplay):
     """Lines on a plane of a frame."""
 
     class_name = "rviz_default_plugins/Grid"
+    transform_ok, transform_problem = "Ok", "Could not transform from [{}] to [{}]"
     properties = (
         *ReferenceDisplay.properties,
         Property("Plane Cell Count", 10, integer(1)),
@@ -138,8 +136,17 @@ class GridDisplay(ReferenceDisplay):
         count = 2 * cells * (layers + 1) + cells**2 * (layers > 0)
         too_many = f"These cells have {count} lines; at most {_MOST_LINES} are drawn."
         self.statuses.hint("Cells", *([too_many] if count > _MOST_LINES else []))
-        points = list(self._points()) if count <= _MOST_LINES else np.empty((0, 3))
-        return Lines(points, rgba, width, strip=False)
+        # The ends of all lines in pairs; y is the grid's normal.
+        ends: list[tuple[float, float, float]] = []
+        if count <= _MOST_LINES:
+            extent, top = (self["Cell Size"] * number / 2 for number in (cells - 1, layers))
+            steps = np.linspace(extent, -extent, cells)
+            for y in np.linspace(top, -top, layers + 1):
+                for step in steps:
+                    ends += (step, y, -extent), (step, y, extent), (-extent, y, step), (extent, y, step)
+            for x, z in ((x, z) for x in steps for z in steps if layers):
+                ends += (x, -top, z), (x, top, z)
+        return Lines(np.array(ends).reshape(-1, 3), rgba, width, strip=False)
 
     def offset(self) -> Matrix:
         """Return the transform from the plane to the reference frame, shape (4, 4)."""
@@ -147,23 +154,6 @@ class GridDisplay(ReferenceDisplay):
         plane[:3, :3] = np.transpose(_PLANES[self["Plane"]])
         plane[:3, 3] = self["Offset"]
         return plane
-
-    def transform_status(self, reference: str, is_known: bool) -> tuple[Level, str]:
-        """Return RViz's status of the reference frame."""
-        problem = f"Could not transform from [{reference}] to [{self.context.frames.fixed_frame}]"
-        return ("ok", "Ok") if is_known else ("error", problem)
-
-    def _points(self) -> Iterator[tuple[float, float, float]]:
-        """Yield the ends of all lines in pairs; y is the grid's normal."""
-        cells, layers = self["Plane Cell Count"], self["Normal Cell Count"]
-        extent = self["Cell Size"] * cells / 2
-        steps = np.linspace(extent, -extent, cells + 1)
-        top = self["Cell Size"] * layers / 2
-        for y in np.linspace(top, -top, layers + 1):
-            for step in steps:
-                yield from ((step, y, -extent), (step, y, extent), (-extent, y, step), (extent, y, step))
-        for x, z in ((x, z) for x in steps for z in steps if layers):
-            yield from ((x, -top, z), (x, top, z))
 
 
 # The names of the parent nodes of all frames' nodes.
@@ -226,7 +216,19 @@ class DrawnFrame:
         for part in self._drawn_appearances.keys() - {"arrows"}:
             self._scene.set_transform(self.nodes[part], transform)
         if "arrows" in self._drawn_appearances and transform_parent is not None:
-            self._place_arrow(transform[:3, 3], transform_parent[:3, 3], scale)
+            start, end = transform[:3, 3], transform_parent[:3, 3]
+            length = float(np.linalg.norm(end - start))
+            if not length:
+                return
+            direction = (end - start) / length
+            # RViz shortens the head of a short arrow in the same way.
+            head = _HEAD_LENGTH * scale * (length if length < _HEAD_LENGTH * scale else 1.0)
+            rotation, node = rotation_to(direction), self.nodes["arrows"]
+            sizes = ((_SHAFT * scale, length - head), (_HEAD * scale, head))
+            centers = ((length - head) / 2, length - head / 2)
+            for part, (width, along), center in zip(("shaft", "head"), sizes, centers, strict=True):
+                transform = placement(rotation, (width, width, along), start + direction * center)
+                self._scene.set_transform(f"{node}/{part}", transform)
 
     def _draw(self, part: str, look: Appearance) -> None:
         set_object, node = self._scene.set_object, self.nodes[part]
@@ -238,20 +240,6 @@ class DrawnFrame:
         else:
             set_object(f"{node}/shaft", Solids("cylinder", [np.eye(4)], _fade(_SHAFT_COLOR, look.age)))
             set_object(f"{node}/head", Solids("cone", [np.eye(4)], _fade(_HEAD_COLOR, look.age)))
-
-    def _place_arrow(self, start: Matrix, end: Matrix, scale: float) -> None:
-        length = float(np.linalg.norm(end - start))
-        if not length:
-            return
-        direction = (end - start) / length
-        # RViz shortens the head of a short arrow in the same way.
-        head = _HEAD_LENGTH * scale * (length if length < _HEAD_LENGTH * scale else 1.0)
-        rotation, node = rotation_to(direction), self.nodes["arrows"]
-        sizes = ((_SHAFT * scale, length - head), (_HEAD * scale, head))
-        centers = ((length - head) / 2, length - head / 2)
-        for part, (width, along), center in zip(("shaft", "head"), sizes, centers, strict=True):
-            transform = placement(rotation, (width, width, along), start + direction * center)
-            self._scene.set_transform(f"{node}/{part}", transform)
 
 
 def _fade(color: Matrix, age: float) -> Matrix:

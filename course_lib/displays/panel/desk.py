@@ -228,6 +228,31 @@ def _editor(prop: Property, holder: PropertyHolder) -> protocol.Editor:
 _LONGEST = 16
 # Folders with layouts: the notebook's folder, and the folder for files of lessons.
 _FOLDERS = ("", "my_files")
+# The orders of a page by subject.
+_TREE_ORDERS = (
+    protocol.SetValue,
+    protocol.AddDisplay,
+    protocol.DuplicateDisplay,
+    protocol.RenameRow,
+    protocol.RemoveRow,
+    protocol.SaveLayout,
+    protocol.LoadLayout,
+)
+_VIEW_ORDERS = (
+    protocol.ChangeView,
+    protocol.HomeView,
+    protocol.SaveView,
+    protocol.UseView,
+    protocol.RenameView,
+    protocol.RemoveView,
+    protocol.TurnView,
+)
+_SCENE_ORDERS = (
+    protocol.SelectObject,
+    protocol.PublishGesture,
+    protocol.UseControl,
+    protocol.ChooseEntry,
+)
 
 
 class OrderHandler:
@@ -248,24 +273,9 @@ class OrderHandler:
         self._session = session
         self._acts: dict[type[protocol.Order], Callable[[Any], None]] = {
             protocol.LookAgain: lambda order: None,
-            protocol.SetValue: self._set,
-            protocol.AddDisplay: self._add,
-            protocol.DuplicateDisplay: self._duplicate,
-            protocol.RenameRow: self._rename,
-            protocol.RemoveRow: lambda order: session.remove(self._member(order.row)),
-            protocol.SaveLayout: self._save,
-            protocol.LoadLayout: self._load,
-            protocol.ChangeView: self._change_view,
-            protocol.HomeView: lambda order: session.view.return_home(),
-            protocol.SaveView: self._save_view,
-            protocol.UseView: self._use_view,
-            protocol.RenameView: lambda order: setattr(self._saved_view(order.index), "name", order.name),
-            protocol.RemoveView: lambda order: session.saved_views.remove(self._saved_view(order.index)),
-            protocol.TurnView: self._turn,
-            protocol.SelectObject: self._select,
-            protocol.PublishGesture: self._publish,
-            protocol.UseControl: self._use,
-            protocol.ChooseEntry: self._choose,
+            **dict.fromkeys(_TREE_ORDERS, self._edit_tree),
+            **dict.fromkeys(_VIEW_ORDERS, self._set_view),
+            **dict.fromkeys(_SCENE_ORDERS, self._act_in_scene),
         }
 
     def carry_out(self, order: protocol.Order) -> None:
@@ -287,45 +297,44 @@ class OrderHandler:
             raise CourseError("Select a display in the tree first.")
         return member
 
-    def _set(self, order: protocol.SetValue) -> None:
-        edit = self._entry(order.row).edit
-        if edit is None:
-            raise CourseError(f"{order.row!r} cannot be edited.")
-        edit(order.value)
-
-    def _add(self, order: protocol.AddDisplay) -> None:
-        row_entry = self.rows.get(order.row)
-        group = row_entry.member if row_entry and isinstance(row_entry.member, Group) else None
-        if order.display == GROUP:
-            self._session.add_group("Group", group)
-            return
-        if order.display not in REGISTRY:
-            raise CourseError(f"There is no display {order.display!r}.")
-        label = getattr(REGISTRY[order.display], "topic_label", "Topic")
-        config = {label: {"Value": order.topic}} if order.topic else {}
-        self._session.add(order.display, short_name(order.display), config, group=group)
-
-    def _duplicate(self, order: protocol.DuplicateDisplay) -> None:
-        member = self._member(order.row)
-        if isinstance(member, Group):
-            raise CourseError("A group cannot be duplicated; duplicate its displays.")
-        config = member_config(member)
-        holder = self._session.tree.find_group_of(member)
-        self._session.add(str(config["Class"]), member.name, config, group=holder)
-
-    def _rename(self, order: protocol.RenameRow) -> None:
-        member = self._member(order.row)
-        member.name = order.name.strip() or member.name
-
-    def _save(self, order: protocol.SaveLayout) -> None:
-        path = self._path(order.name)
-        save_rviz(self._session, path)
-        self.notice = protocol.Notice("ok", f"Saved {self.file}.")
-
-    def _load(self, order: protocol.LoadLayout) -> None:
-        path = self._path(order.name)
-        self._session.apply(read_layout(path))
-        self.notice = protocol.Notice("ok", f"Opened {self.file}.")
+    def _edit_tree(self, order: protocol.Order) -> None:
+        """Edit a row, or add, copy, rename or remove a display; save or open a layout."""
+        session = self._session
+        match order:
+            case protocol.SetValue(row=row, value=value):
+                edit = self._entry(row).edit
+                if edit is None:
+                    raise CourseError(f"{row!r} cannot be edited.")
+                edit(value)
+            case protocol.AddDisplay(display=class_name, topic=topic, row=row):
+                row_entry = self.rows.get(row)
+                group = row_entry.member if row_entry and isinstance(row_entry.member, Group) else None
+                if class_name == GROUP:
+                    session.add_group("Group", group)
+                elif class_name not in REGISTRY:
+                    raise CourseError(f"There is no display {class_name!r}.")
+                else:
+                    label = getattr(REGISTRY[class_name], "topic_label", "Topic")
+                    config = {label: {"Value": topic}} if topic else {}
+                    session.add(class_name, short_name(class_name), config, group=group)
+            case protocol.DuplicateDisplay(row=row):
+                member = self._member(row)
+                if isinstance(member, Group):
+                    raise CourseError("A group cannot be duplicated; duplicate its displays.")
+                config = member_config(member)
+                holder = session.tree.find_group_of(member)
+                session.add(str(config["Class"]), member.name, config, group=holder)
+            case protocol.RenameRow(row=row, name=name):
+                member = self._member(row)
+                member.name = name.strip() or member.name
+            case protocol.RemoveRow(row=row):
+                session.remove(self._member(row))
+            case protocol.SaveLayout(name=name):
+                save_rviz(session, self._path(name))
+                self.notice = protocol.Notice("ok", f"Saved {self.file}.")
+            case protocol.LoadLayout(name=name):
+                session.apply(read_layout(self._path(name)))
+                self.notice = protocol.Notice("ok", f"Opened {self.file}.")
 
     def _path(self, text: str) -> Path:
         """Return the path of a layout in one of the folders of layouts."""
@@ -341,51 +350,57 @@ class OrderHandler:
             raise CourseError("This saved view no longer exists.")
         return self._session.saved_views[index]
 
-    def _change_view(self, order: protocol.ChangeView) -> None:
-        if order.view not in VIEWS:
-            raise CourseError(f"There is no view {order.view!r}; the views are {', '.join(VIEWS)}.")
-        view = VIEWS[order.view]()
-        view.mimic(self._session.view, self._session.context.frames)
-        self._session.view = view
+    def _set_view(self, order: protocol.Order) -> None:
+        """Change the current view or the saved ones."""
+        session = self._session
+        match order:
+            case protocol.ChangeView(view=name):
+                if name not in VIEWS:
+                    raise CourseError(f"There is no view {name!r}; the views are {', '.join(VIEWS)}.")
+                view = VIEWS[name]()
+                view.mimic(session.view, session.context.frames)
+                session.view = view
+            case protocol.HomeView():
+                session.view.return_home()
+            case protocol.SaveView(name=name):
+                view = view_of(view_config(session.view))[0]
+                view.name = name
+                session.saved_views.append(view)
+            case protocol.UseView(index=index):
+                config = view_config(self._saved_view(index))
+                session.view = view_of({**config, "Name": "Current View"})[0]
+            case protocol.RenameView(index=index, name=name):
+                self._saved_view(index).name = name
+            case protocol.RemoveView(index=index):
+                session.saved_views.remove(self._saved_view(index))
+            case protocol.TurnView(eye=eye, target=target, up=up, scale=scale):
+                session.on_view_turn(Camera(eye, target, up, orthographic_scale=scale or None))
 
-    def _save_view(self, order: protocol.SaveView) -> None:
-        view = view_of(view_config(self._session.view))[0]
-        view.name = order.name
-        self._session.saved_views.append(view)
-
-    def _use_view(self, order: protocol.UseView) -> None:
-        config = view_config(self._saved_view(order.index))
-        self._session.view = view_of({**config, "Name": "Current View"})[0]
-
-    def _turn(self, order: protocol.TurnView) -> None:
-        scale = order.scale or None
-        self._session.on_view_turn(Camera(order.eye, order.target, order.up, orthographic_scale=scale))
-
-    def _select(self, order: protocol.SelectObject) -> None:
-        self.selection = describe_selection(self._session, order.path, order.index)
-
-    def _publish(self, order: protocol.PublishGesture) -> None:
-        node = self._session.context.node
-        if node is None:
-            raise CourseError("This page shows a recording, in which nothing can be published.")
-        self.notice = protocol.Notice(
-            "ok", publish(node, self._session.tools, self._session.fixed_frame, order)
-        )
-
-    def _use(self, order: protocol.UseControl) -> None:
-        for display in handles(self._session):
-            entries = display.use(order)
-            if order.event != "move":
-                tool = next(tool for tool in self._session.tools if tool.gesture == "interact")
-                hides_others = order.event == "down" and tool["Hide Inactive Objects"]
-                display.show_only(order.path if hides_others else None)
-            if entries:
-                self.menu = protocol.ContextMenu(self.menu.number + 1, order.path, entries)
-
-    def _choose(self, order: protocol.ChooseEntry) -> None:
-        for display in handles(self._session):
-            if display.message_at(order.path) is not None:
-                self.notice = protocol.Notice("ok", display.choose(order.path, order.entry))
+    def _act_in_scene(self, order: protocol.Order) -> None:
+        """Describe the clicked object, publish with a tool, or use an interactive marker."""
+        session = self._session
+        match order:
+            case protocol.SelectObject(path=path, index=index):
+                self.selection = describe_selection(session, path, index)
+            case protocol.PublishGesture():
+                node = session.context.node
+                if node is None:
+                    raise CourseError("This page shows a recording, in which nothing can be published.")
+                confirmation = publish(node, session.tools, session.fixed_frame, order)
+                self.notice = protocol.Notice("ok", confirmation)
+            case protocol.UseControl(path=path, event=event):
+                for display in handles(session):
+                    entries = display.use(order)
+                    if event != "move":
+                        tool = next(tool for tool in session.tools if tool.gesture == "interact")
+                        hides_others = event == "down" and tool["Hide Inactive Objects"]
+                        display.show_only(path if hides_others else None)
+                    if entries:
+                        self.menu = protocol.ContextMenu(self.menu.number + 1, path, entries)
+            case protocol.ChooseEntry(path=path, entry=entry):
+                for display in handles(session):
+                    if display.message_at(path) is not None:
+                        self.notice = protocol.Notice("ok", display.choose(path, entry))
 
 
 def handles(session: RvizSession) -> list[InteractiveMarkersDisplay]:
