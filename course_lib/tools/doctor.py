@@ -101,6 +101,21 @@ def _reports(source: Source, link: Rows) -> dict[str, tuple[str, Rows]]:
     ]
     # The first row of a link has its address.
     protocol = "rmw_zenoh" if link and "dds/" not in str(link[0][1]) else "DDS"
+    topics: Rows = []
+    for topic in (name for name in source.topics() if name not in ALWAYS_THERE):
+        topics += [
+            ("topic", topic),
+            ("publisher count", len(source.endpoints(topic, "pub"))),
+            ("subscriber count", len(source.endpoints(topic, "sub"))),
+        ]
+    names, pairs = {node.id: node.name for node in source.graph.nodes()}, Rows()
+    for topic, publisher, subscription in _pairs(source):
+        pairs += [
+            ("topic [type]", f"{topic} [{publisher.type_name}]"),
+            ("publisher node", names[publisher.node]),
+            ("subscriber node", names[subscription.node]),
+            ("compatibility status", problem(publisher.qos, subscription.qos) or "OK"),
+        ]
     versions: Rows = [(name, f"latest=N/A, local={metadata.version(name)}") for name in _PACKAGES]
     return {
         "PLATFORM INFORMATION": ("platform", system),
@@ -113,33 +128,16 @@ def _reports(source: Source, link: Rows) -> dict[str, tuple[str, Rows]]:
             "middleware",
             [("middleware name", f"{protocol} (course_lib)" if link else "course_lib")],
         ),
-        "TOPIC LIST": ("topic", _topics(source)),
-        "QOS COMPATIBILITY LIST": ("middleware", _compatibility(source)),
+        "TOPIC LIST": (
+            "topic",
+            topics or [("topic", "none"), ("publisher count", 0), ("subscriber count", 0)],
+        ),
+        "QOS COMPATIBILITY LIST": (
+            "middleware",
+            pairs or [("compatibility status", "No publisher/subscriber pairs found")],
+        ),
         "PACKAGE VERSIONS": ("package", versions),
     }
-
-
-def _topics(source: Source) -> Rows:
-    rows: Rows = []
-    for topic in (name for name in source.topics() if name not in ALWAYS_THERE):
-        rows += [
-            ("topic", topic),
-            ("publisher count", len(source.endpoints(topic, "pub"))),
-            ("subscriber count", len(source.endpoints(topic, "sub"))),
-        ]
-    return rows or [("topic", "none"), ("publisher count", 0), ("subscriber count", 0)]
-
-
-def _compatibility(source: Source) -> Rows:
-    names, rows = {node.id: node.name for node in source.graph.nodes()}, Rows()
-    for topic, publisher, subscription in _pairs(source):
-        rows += [
-            ("topic [type]", f"{topic} [{publisher.type_name}]"),
-            ("publisher node", names[publisher.node]),
-            ("subscriber node", names[subscription.node]),
-            ("compatibility status", problem(publisher.qos, subscription.qos) or "OK"),
-        ]
-    return rows or [("compatibility status", "No publisher/subscriber pairs found")]
 
 
 def _table(title: str, rows: Rows) -> str:

@@ -78,39 +78,6 @@ class CallbackRun:
     cpu_seconds: float
 
 
-def callback_run(entity: Any, ready_ns: int, start_ns: int, cpu_seconds: float) -> CallbackRun:
-    """Return the run of a callback that has just ended.
-
-    Its label is the topic, service or period.
-    """
-    handle = entity._course_node
-    period = getattr(entity, "timer_period_ns", None)
-    name = getattr(entity, "topic_name", None) or getattr(entity, "srv_name", None)
-    if period is not None:
-        name = f"timer {period / _SECOND:g} s"
-    return CallbackRun(
-        handle.full_name, name or type(entity).__name__, ready_ns, start_ns, handle.graph.now_ns, cpu_seconds
-    )
-
-
-def callback_rows(calls: Sequence[CallbackRun], seconds: float) -> list[CallbackRow]:
-    """Measure the callbacks over a time [s], sorted by node and name."""
-    by_name: dict[tuple[str, str], list[CallbackRun]] = {}
-    for call in calls:
-        by_name.setdefault((call.node, call.callback), []).append(call)
-    return [
-        CallbackRow(
-            *name,
-            calls=len(runs),
-            longest=max(c.end_ns - c.start_ns for c in runs) / _SECOND,
-            longest_wait=max(c.start_ns - c.ready_ns for c in runs) / _SECOND,
-            busy=sum(c.end_ns - c.start_ns for c in runs) / _SECOND / seconds,
-            load=sum(c.cpu_seconds for c in runs) / seconds,
-        )
-        for name, runs in sorted(by_name.items())
-    ]
-
-
 def _topic(topic: str, samples: list[Sample], delay_ns: int) -> TopicRow:
     stamps = [sample.stamp_ns for sample in samples]
     gaps = [(b - a) / _SECOND for a, b in pairwise(stamps)]
@@ -382,8 +349,14 @@ def performance_report(what: "float | Recording | str | Path", *nodes: "Node") -
         return _report(recording, recording.start_ns, recording.end_ns, (), 0)
     graph, calls = current_graph(), list[CallbackRun]()
 
-    def listen(*call: Any) -> None:
-        calls.append(callback_run(*call))
+    def listen(entity: Any, ready_ns: int, start_ns: int, cpu_seconds: float) -> None:
+        # The label of a run is the topic, service or period.
+        handle, period = entity._course_node, getattr(entity, "timer_period_ns", None)
+        label = getattr(entity, "topic_name", None) or getattr(entity, "srv_name", None)
+        if period is not None:
+            label = f"timer {period / _SECOND:g} s"
+        times = ready_ns, start_ns, handle.graph.now_ns
+        calls.append(CallbackRun(handle.full_name, label or type(entity).__name__, *times, cpu_seconds))
 
     start_ns = graph.now_ns
     graph.callback_listeners.append(listen)
@@ -405,7 +378,20 @@ def _report(
         if sample.topic not in ALWAYS_THERE:
             by_topic.setdefault((sample.topic, sample.type_name), []).append(sample)
     topics = [_topic(topic, samples, delay_ns) for (topic, _), samples in sorted(by_topic.items())]
-    callbacks = callback_rows(calls, seconds) if seconds else ()
+    by_callback: dict[tuple[str, str], list[CallbackRun]] = {}
+    for call in calls if seconds else ():
+        by_callback.setdefault((call.node, call.callback), []).append(call)
+    callbacks = [
+        CallbackRow(
+            *name,
+            calls=len(runs),
+            longest=max(c.end_ns - c.start_ns for c in runs) / _SECOND,
+            longest_wait=max(c.start_ns - c.ready_ns for c in runs) / _SECOND,
+            busy=sum(c.end_ns - c.start_ns for c in runs) / _SECOND / seconds,
+            load=sum(c.cpu_seconds for c in runs) / seconds,
+        )
+        for name, runs in sorted(by_callback.items())
+    ]
     return PerformanceReport(seconds, start_ns, tuple(topics), tuple(callbacks), tuple(calls))
 
 

@@ -115,7 +115,17 @@ def _create(source: Source, arguments: Namespace, write: Write) -> None:
         write("Supported licenses:\n" + "\n".join(_LICENSES) + "\n")
         return
     _check(arguments)
-    node, maintainer = arguments.node_name, arguments.maintainer_name or _user()
+    node, maintainer = arguments.node_name, arguments.maintainer_name
+    if not maintainer:
+        import getpass
+
+        try:
+            maintainer = getpass.getuser()
+        # On some hubs, users have a numeric ID but no name.
+        except (KeyError, OSError) as error:
+            raise CourseError(
+                "Your name is not configured on this machine: add --maintainer-name NAME."
+            ) from error
     text = PackageText(
         arguments.package_name,
         maintainer=maintainer,
@@ -148,18 +158,6 @@ def _create(source: Source, arguments: Namespace, write: Write) -> None:
             "LICENSE file has been created.\n"
             f"It is recommended to use one of the ament license identifiers:\n{licenses}\n"
         )
-
-
-def _user() -> str:
-    import getpass
-
-    try:
-        return getpass.getuser()
-    # On some hubs, users have a numeric ID but no name.
-    except (KeyError, OSError) as error:
-        raise CourseError(
-            "Your name is not configured on this machine: add --maintainer-name NAME."
-        ) from error
 
 
 def _check(arguments: Namespace) -> None:

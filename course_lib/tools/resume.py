@@ -100,7 +100,13 @@ def _cells_above(shell: "InteractiveShell") -> list[_Cell]:
     parent: dict[str, Any] = getattr(shell, "get_parent", dict)() or {}
     running_id = parent.get("metadata", {}).get("cellId")
     source = str(parent.get("content", {}).get("code", "")).strip()
-    files = [list(_code_cells(path)) for path in _notebooks()]
+    # The notebook of this kernel, then the other notebooks of its folder, newest first.
+    name = os.environ.get("JPY_SESSION_NAME", "")
+    folder = Path(name).parent if name and Path(name).parent.is_dir() else Path.cwd()
+    notebooks = sorted(folder.glob("*.ipynb"), key=lambda path: -path.stat().st_mtime)
+    if name.endswith(".ipynb") and Path(name).is_file():
+        notebooks.insert(0, Path(name))
+    files = [list(_code_cells(path)) for path in notebooks]
     # JupyterLab sends the id of the cell. Other pages use different ids, so the source is compared.
     for cells in files:
         ids = [cell.id for cell in cells]
@@ -111,15 +117,6 @@ def _cells_above(shell: "InteractiveShell") -> list[_Cell]:
         if source in sources:
             return cells[: sources.index(source)]
     raise CourseError("This cell is not in a saved notebook of its folder. Save (Ctrl+S) and run it again.")
-
-
-def _notebooks() -> Iterator[Path]:
-    """Yield the notebook of this kernel, then the other notebooks of its folder, newest first."""
-    name = os.environ.get("JPY_SESSION_NAME", "")
-    if name.endswith(".ipynb") and Path(name).is_file():
-        yield Path(name)
-    folder = Path(name).parent if name and Path(name).parent.is_dir() else Path.cwd()
-    yield from sorted(folder.glob("*.ipynb"), key=lambda path: -path.stat().st_mtime)
 
 
 def _code_cells(path: Path) -> Iterator[_Cell]:

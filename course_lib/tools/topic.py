@@ -319,7 +319,12 @@ def _echo(source: Source, arguments: Namespace, write: Write) -> None:
             selected = arrival.cdr if arguments.raw else _field(arrival.message(), arguments.field)
             if not matches(selected):
                 continue
-            info = _info(arrival.stamp_ns, heard_ns) if arguments.include_message_info else {}
+            info: dict[str, int | None] = {}
+            if arguments.include_message_info:
+                # Times [ns] and sequence numbers, in the order of ROS. The numbers are None, as for
+                # RMWs without them.
+                info = {"source_timestamp": arrival.stamp_ns, "received_timestamp": heard_ns}
+                info |= {"publication_sequence_number": None, "reception_sequence_number": None}
             write(_text(selected, arguments, info))
             if arguments.once:
                 return
@@ -328,15 +333,6 @@ def _echo(source: Source, arguments: Namespace, write: Write) -> None:
         if source.is_live and not arguments.timeout and not source.graph.ended:
             why = "No page is watching" if limit else "No further message came"
             write(f"{why}: ros2 topic echo stopped after {limit or SILENCE_LIMIT:g} s of robot time.\n")
-
-
-def _info(source_ns: int, received_ns: int) -> dict[str, int | None]:
-    """Return a message's times [ns] and sequence numbers, in the order of ROS.
-
-    The sequence numbers are None, as for RMWs without them.
-    """
-    numbers = {"publication_sequence_number": None, "reception_sequence_number": None}
-    return {"source_timestamp": source_ns, "received_timestamp": received_ns, **numbers}
 
 
 def _text(selected: Any, arguments: Namespace, info: Mapping[str, int | None]) -> str:
@@ -532,12 +528,19 @@ LOOK_EVERY = 0.1
 
 
 def _run(source: Source, arguments: Namespace, write: Write) -> None:
+    from rclpy.exceptions import InvalidTopicNameException
+    from rclpy.impl.graph_queries import to_profile
+
     kind = kind_of(message_class, arguments.message_type, "msg")
+    qos = requested_qos(arguments) or PRESETS[arguments.qos_profile]
     message: Any = kind()
     set_times = fill(message, sys.stdin.read() if arguments.stdin else arguments.values)
     name, sim = arguments.node_name or NODE_NAME, arguments.use_sim_time
     with until_interrupted(), own_node(source, name, use_sim_time=sim) as node:
-        publisher = _publisher(node, kind, arguments)
+        try:
+            publisher = node.create_publisher(kind, arguments.topic_name, to_profile(qos))
+        except InvalidTopicNameException as error:
+            raise CourseError(str(error)) from error
         _wait_for_subscriptions(source, publisher, arguments, write)
         write("publisher: beginning loop\n")
         for count in _publication_counts(source, node, arguments, write):
@@ -546,17 +549,6 @@ def _run(source: Source, arguments: Namespace, write: Write) -> None:
             if arguments.print and count % arguments.print == 0:
                 write(f"publishing #{count}: {message!r}\n\n")
             publisher.publish(message)
-
-
-def _publisher(node: "Node", kind: type[RosMessage], arguments: Namespace) -> "Publisher[Any]":
-    from rclpy.exceptions import InvalidTopicNameException
-    from rclpy.impl.graph_queries import to_profile
-
-    qos = requested_qos(arguments) or PRESETS[arguments.qos_profile]
-    try:
-        return node.create_publisher(kind, arguments.topic_name, to_profile(qos))
-    except InvalidTopicNameException as error:
-        raise CourseError(str(error)) from error
 
 
 def _wait_for_subscriptions(

@@ -49,7 +49,13 @@ def lay_out(
     """
     edges = [edge for edge in dict.fromkeys(edges) if edge[0] != edge[1]]
     depths = _depths(list(widths), edges)
-    chains = {edge: _chain(edge, depths) for edge in edges}
+    # The cells of each edge from left to right. Long edges bend around the nodes between.
+    chains: dict[Edge, list[tuple[str, int]]] = {}
+    for edge in edges:
+        left_end, right_end = sorted(edge, key=lambda name: depths[name])
+        between = range(depths[left_end] + 1, depths[right_end])
+        bends = [(f"{edge[0]}\0{edge[1]}\0{depth}", depth) for depth in between]
+        chains[edge] = [(left_end, depths[left_end]), *bends, (right_end, depths[right_end])]
     links = [link for chain in chains.values() for link in pairwise(chain)]
     depth_of = {name: depth for chain in chains.values() for name, depth in chain} | depths
     lane_of = {name: groups[chain[0][0]] for chain in chains.values() for name, _ in chain} | dict(groups)
@@ -79,14 +85,6 @@ def _depths(names: Sequence[str], edges: Sequence[Edge]) -> dict[str, int]:
         sources = (start for start, end in edges if end == name and heights[start] > heights[name])
         depths[name] = 1 + max((depths[start] for start in sources), default=-1)
     return depths
-
-
-def _chain(edge: Edge, depths: Mapping[str, int]) -> list[tuple[str, int]]:
-    """List the cells of an edge from left to right. Long edges bend around the nodes between."""
-    left_end, right_end = sorted(edge, key=lambda name: depths[name])
-    between = range(depths[left_end] + 1, depths[right_end])
-    bends = [(f"{edge[0]}\0{edge[1]}\0{depth}", depth) for depth in between]
-    return [(left_end, depths[left_end]), *bends, (right_end, depths[right_end])]
 
 
 def _untangle(cells: Mapping[tuple[str, int], list[str]], links: Sequence[Edge]) -> None:
@@ -201,7 +199,11 @@ class GraphView(RqtView):
         is_grouped = self["Group namespaces"]
         groups = {name: label.rpartition("/")[0] if is_grouped else "" for name, label in names.items()}
         layers = lay_out(widths, edges, groups, 60 + 6.2 * longest)
-        shapes = [_ARROW, *map(_group, layers.boxes, layers.boxes.values())]
+        shapes = [_ARROW]
+        look = {"fill": "var(--rqt-dim)", "fill_opacity": ".08", "stroke": "var(--rqt-line)"}
+        for name, (x, y, width, height) in layers.boxes.items():
+            shapes.append(tag("rect", x=x, y=y, width=width, height=height, rx=6, **look))
+            shapes.append(text(name, x + 6, y + 13, font_size=11))
         shapes += [_edge(layers, edge, lines) for edge, lines in edges.items()]
         shapes += [
             _node(layers.positions[n], widths[n], names[n], n in topics, n[1:] in bad_topics) for n in names
@@ -279,13 +281,6 @@ def matches_filter(name: str, rule: str) -> bool:
         raise CourseError(
             f"{rule!r} is not a filter: {error}. Write names or patterns, like /arm/.*, -/tf"
         ) from error
-
-
-def _group(name: str, box: tuple[float, float, float, float]) -> str:
-    x, y, width, height = box
-    look = {"fill": "var(--rqt-dim)", "fill_opacity": ".08", "stroke": "var(--rqt-line)"}
-    frame = tag("rect", x=x, y=y, width=width, height=height, rx=6, **look)
-    return frame + text(name, x + 6, y + 13, font_size=11)
 
 
 def _node(at: Point, width: float, label: str, is_topic: bool, is_bad: bool) -> str:

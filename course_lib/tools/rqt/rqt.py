@@ -70,8 +70,12 @@ def rqt(words: Sequence[str]) -> None:
 def _show(view: RqtView) -> None:
     """Display a view that follows the run.
 
-    Without a page, the view receives messages for a fixed time and is displayed as a picture.
+    Without a page, the view receives messages for a fixed time and is displayed as a picture, which
+    is updated if the rest of the cell changes it.
     """
+    from IPython.core.getipython import get_ipython
+    from IPython.display import HTML, display
+
     opened = current_graph().state(OpenViews).by_arguments
     key = (view.name, *view.arguments)
     # A cell that is run again replaces its view.
@@ -85,14 +89,6 @@ def _show(view: RqtView) -> None:
     if running_nodes() and view.listens:
         wait_for(lambda: False, seconds=SECONDS_WITHOUT_A_PAGE)
         say(f"No page is watching: rqt received messages for {SECONDS_WITHOUT_A_PAGE:g} s of robot time.")
-    _display_as_picture(view)
-
-
-def _display_as_picture(view: RqtView) -> None:
-    """Display a view as a picture, and update it if the rest of the cell changes it."""
-    from IPython.core.getipython import get_ipython
-    from IPython.display import HTML, display
-
     before = view.static_html()
     handle = display(HTML(before), display_id=True)
     shell: Any = get_ipython()

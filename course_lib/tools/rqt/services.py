@@ -227,27 +227,20 @@ def _editor(name: str, value: Any, about: Any) -> Any:
     is_int = isinstance(value, int)
     for limits in about.integer_range if is_int else about.floating_point_range:
         low, high = limits.from_value, limits.to_value
-        if isfinite(high - low):
-            return _slider(is_int, limits.step, value=value, min=low, max=high, description=name)
+        if not isfinite(high - low):
+            continue
+        # Imported here because anywidget is slow to import.
+        from course_lib.controls import IntSlider, Slider
+
+        # A slider sets the value when it is released. A step of 0 is replaced by a default.
+        width = _EDITOR_STYLE["description_width"]
+        settings |= {"value": value, "min": low, "max": high, "description_width": width}
+        settings.pop("style")
+        if is_int:
+            return IntSlider(**settings, step=limits.step or 1, is_live=False)
+        step = limits.step or (high - low) / 1000
+        return Slider(**settings, step=step, decimals=max(0, ceil(1 - log10(step or 1))), is_live=False)
     return (widgets.IntText if is_int else widgets.FloatText)(value, **settings)
-
-
-def _slider(is_int: bool, step: float, **settings: Any) -> Any:
-    """Return a slider, which sets the value when it is released.
-
-    A step of 0 is replaced by a default.
-    """
-    # Imported here because anywidget is slow to import.
-    from course_lib.controls import IntSlider, Slider
-
-    if is_int:
-        settings["step"] = step or 1
-    else:
-        settings["step"] = step = step or (settings["max"] - settings["min"]) / 1000
-        settings["decimals"] = max(0, ceil(1 - log10(step or 1)))
-    width = _EDITOR_STYLE["description_width"]
-    kind = IntSlider if is_int else Slider
-    return kind(**settings, is_live=False, description_width=width, layout=_EDITOR_LAYOUT)
 
 
 def _field_text(value: Any) -> str:
