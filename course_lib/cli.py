@@ -185,7 +185,7 @@ def release(
 
     A solution is released only after the last submission of its week that can get points.
     """
-    from course_lib.authoring.verify import refuse_broken, report_placeholders
+    from course_lib.authoring.verify import reject_broken, report_placeholders
     from course_lib.course.release import free_folder, renew_exercises, require_closed_weeks
     from course_lib.course.release import release as write
     from course_lib.grading.store import this_course
@@ -193,7 +193,7 @@ def release(
     free_folder(out)
     require_closed_weeks(solution or ())
     renew_exercises()
-    refuse_broken(this_course(), lambda line: typer.echo(line, err=True))
+    reject_broken(this_course(), lambda line: typer.echo(line, err=True))
     paths = write(out, solution or ())
     for line in report_placeholders(this_course()):
         typer.echo(f"note: {line}")
@@ -317,7 +317,7 @@ def classroom(
         )
     for line in lines:
         typer.echo(line)
-    raise typer.Exit(NOT_PASSED if any(line.startswith("refused") for line in lines) else 0)
+    raise typer.Exit(NOT_PASSED if any(line.startswith("rejected") for line in lines) else 0)
 
 
 # Commands that run or store submissions, for which they fork processes.
@@ -368,13 +368,13 @@ def collect(
     if course.zone_note and not time_zone:
         typer.echo(course.zone_note)
     for line in (
-        *collection.refused,
+        *collection.rejected_lines,
         *collection.set_aside,
         *sorted(collection.notes),
         collection.summary(out),
     ):
         typer.echo(line)
-    raise typer.Exit(NOT_PASSED if collection.refused else 0)
+    raise typer.Exit(NOT_PASSED if collection.rejected_lines else 0)
 
 
 @staff.command()

@@ -86,7 +86,7 @@ def test_too_deeply_nested_python_is_a_syntax_error_with_its_line(code: str, tmp
     with pytest.raises(SyntaxError, match="nested too deeply") as raised:
         compile_python(f"first = (\n1)\n{code}\nlast = 2\n")
     assert raised.value.lineno == 2 + len(code.splitlines())
-    cell = CodeCell(1, code, ran=True)
+    cell = CodeCell(1, code, was_run=True)
     assert "nested too deeply for Python: split the expression" in cell.syntax_error
     (tmp_path / "deep.py").write_text(code)
     with pytest.raises(CourseError, match=r"deep\.py, line \d: it is nested too deeply"):
@@ -95,14 +95,14 @@ def test_too_deeply_nested_python_is_a_syntax_error_with_its_line(code: str, tmp
 
 @pytest.mark.parametrize("code", [*DEEP_PYTHON.values(), *NESTED_PYTHON.values()])
 def test_too_deeply_nested_python_is_not_analysed(code: str) -> None:
-    assert CodeCell(1, code, ran=True).bindings == frozenset()
+    assert CodeCell(1, code, was_run=True).bindings == frozenset()
     with pytest.raises(CourseError, match=r"Cell 3, line \d+: it is nested too deeply"):
         statements([Cell(3, code, is_marked=False)])
 
 
 def test_nested_python_at_the_limit_is_analysed() -> None:
     code = "x = " + " + ".join(["y"] * (MAX_NESTING - 10))
-    assert CodeCell(1, code, ran=True).bindings == {"x"}
+    assert CodeCell(1, code, was_run=True).bindings == {"x"}
     assert {symbol.get_name() for symbol in parse_scopes(code).get_symbols()} == {"x", "y"}
 
 

@@ -220,14 +220,15 @@ def rehearsal_without(
     code: Code,
     week: str,
     *,
-    hidden: bool = True,
+    with_hidden: bool = True,
 ) -> Rehearsal:
     """Return the rehearsal of the answer with all deletions of a group."""
     remaining_code = code
     for deletion in group:
         remaining_code = remaining_code.with_cell(deletion.cell, deletion.code)
     tasks = tuple(task for deletion in group for task in deletion.tasks)
-    return Rehearsal(week, ", ".join(row.name for row in group), remaining_code.cells, tasks, hidden)
+    name = ", ".join(row.name for row in group)
+    return Rehearsal(week, name, remaining_code.cells, tasks, with_hidden)
 
 
 def crash_message(deletion: Deletion, result: TaskResult, tracebacks: Collection[str] = ()) -> str:
@@ -262,7 +263,7 @@ def find_false_passes(
     # Most deletions fail a public check. The hidden scenarios, about half of all, are run only for
     # the others.
     groups = group_deletions(deletions(code, tasks), code, tasks)
-    public = run([rehearsal_without(group, code, week, hidden=False) for group in groups])
+    public = run([rehearsal_without(group, code, week, with_hidden=False) for group in groups])
     passing = []
     for group, result in zip(groups, public, strict=True):
         passed_tasks = {task.task for task in result.results if passes_public_checks(task)}
@@ -287,7 +288,7 @@ def false_passes(
 
 def passes_public_checks(result: TaskResult) -> bool:
     """Return whether all public checks pass."""
-    public = [check for check in result.checks if not check.hidden]
+    public = [check for check in result.checks if not check.is_hidden]
     return bool(public) and all(check.passed for check in public) and not result.is_untouched
 
 

@@ -220,7 +220,7 @@ class Edit:
         task: The task's id.
         name: A description for messages.
         cells: The changed cells by index.
-        hidden: Whether the hidden scenarios are run.
+        with_hidden: Whether the hidden scenarios are run.
         look: Returns the flaws in the task's result.
         is_right: Whether it is an alternative correct answer.
     """
@@ -228,14 +228,14 @@ class Edit:
     task: str
     name: str
     cells: Mapping[int, str]
-    hidden: bool
+    with_hidden: bool
     look: Look
     is_right: bool = False
 
 
-def failure_text(result: TaskResult, *, hidden: bool | None = None) -> str:
+def failure_text(result: TaskResult, *, is_hidden: bool | None = None) -> str:
     """Return the messages (or exceptions) of the failed checks, and their kinds of mistake."""
-    failed = [c for c in result.checks if not c.passed and hidden in (None, c.hidden)]
+    failed = [c for c in result.checks if not c.passed and is_hidden in (None, c.is_hidden)]
     return "\n".join(f"{check.broken or check.message}\n{check.mistake}" for check in failed)
 
 
@@ -251,7 +251,7 @@ def group_edits(
             edited_cells = {place for other in round_ for place in other.cells}
             tasks = {other.task for other in round_}
             if (
-                round_[0].hidden == edit.hidden
+                round_[0].with_hidden == edit.with_hidden
                 and edit.task not in tasks
                 and not edited_cells & edit.cells.keys()
             ):
@@ -267,7 +267,7 @@ def make_rehearsal(edits: Sequence[Edit], cells: Sequence[str], week: str) -> Re
     new = {place: text for edit in edits for place, text in edit.cells.items()}
     code = tuple(new.get(place, cell) for place, cell in enumerate(cells))
     names = ", ".join(edit.name for edit in edits)
-    return Rehearsal(week, names, code, tuple(edit.task for edit in edits), edits[0].hidden)
+    return Rehearsal(week, names, code, tuple(edit.task for edit in edits), edits[0].with_hidden)
 
 
 def make_edits(
@@ -368,9 +368,9 @@ def _check_mutant(operator: Operator, name: str, path: Path, result: TaskResult)
     missed = [
         *["it raises an exception"] * bool(result.errors),
         *["it has full marks"] * (result.score >= result.points),
-        *["the hidden checks pass it"] * (not failure_text(result, hidden=True)),
+        *["the hidden checks pass it"] * (not failure_text(result, is_hidden=True)),
         *["the public checks pass it"]
-        * (not operator.only_other_inputs and not failure_text(result, hidden=False)),
+        * (not operator.only_other_inputs and not failure_text(result, is_hidden=False)),
     ]
     if missed:
         row = f"[same] {result.task.split('.')[1]} = [{operator.name!r}]"

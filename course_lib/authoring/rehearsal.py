@@ -150,7 +150,7 @@ class Rehearsal:
         name: A description, like "the solution" or "the stub".
         cells: The source of the code cells.
         tasks: The ids of the tasks to run.
-        hidden: Whether the hidden scenarios are run as well.
+        with_hidden: Whether the hidden scenarios are run as well.
         option: Index of the personal options, modulo each task's number of options.
         hollow: Whether the hollowed samples are judged as well.
     """
@@ -159,7 +159,7 @@ class Rehearsal:
     name: str
     cells: tuple[str, ...]
     tasks: tuple[str, ...]
-    hidden: bool = True
+    with_hidden: bool = True
     option: int = 0
     hollow: bool = False
 
@@ -196,7 +196,7 @@ def rehearse(rehearsal: Rehearsal, course: Course) -> RehearsalResult:
     """Run a rehearsal in the sandbox, and judge it."""
     catalog = catalog_of(course)
     tasks = [with_option(catalog.task(name), rehearsal.option) for name in rehearsal.tasks]
-    steps = plan_scenarios(tasks, catalog, hidden=rehearsal.hidden)
+    steps = plan_scenarios(tasks, catalog, with_hidden=rehearsal.with_hidden)
     # Cells that show views or run live are left out if the tasks only need definitions, to save
     # time.
     cells = (
@@ -207,7 +207,8 @@ def rehearse(rehearsal: Rehearsal, course: Course) -> RehearsalResult:
     solution = course.solutions / f"{rehearsal.week}_solution.ipynb"
     files = catalog.with_assets(rehearsal.week, working_files(solution, cells))
     without_checks = tuple(step.without_checks() for step in steps)
-    job = Job(cells, STUDENT, without_checks, catalog.course.limits, files, course.sandbox, course.refused)
+    limits, forbidden_paths = catalog.course.limits, course.forbidden_paths
+    job = Job(cells, STUDENT, without_checks, limits, files, course.sandbox, forbidden_paths)
     outcome = unpack(run(job).evidence, steps)
     judgement = judge(outcome, tasks, catalog)
     types = {

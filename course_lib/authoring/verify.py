@@ -221,7 +221,8 @@ class WeekRehearsals:
             if says is None:
                 continue
             self.earned_fractions[f"{result.task}: {name}"] = result.fraction
-            if result.errors or result.score >= result.points or not failure_text(result, hidden=True):
+            is_full = result.score >= result.points
+            if result.errors or is_full or not failure_text(result, is_hidden=True):
                 outcome = [*result.errors, f"{result.score:g} of {result.points:g} points"][0]
                 text = f"{result.task}: {name}: {outcome}, expected failing public and hidden checks"
                 yield Flaw("wrong", text, place)
@@ -293,7 +294,7 @@ def _checks_by_key(result: TaskResult) -> Iterator[tuple[Key, CheckResult]]:
 
 
 def _visibility(check: CheckResult) -> str:
-    return "hidden" if check.hidden else "public"
+    return "hidden" if check.is_hidden else "public"
 
 
 # Wall-clock limit of one lesson [s]. The kit's longest lesson takes 20 s.
@@ -571,7 +572,7 @@ def report_placeholders(course: Course) -> list[str]:
 
 # The file next to exercises/ that stores the digests of weeks without flaws.
 DIGESTS_FILE = ".verified.json"
-# Maximum number of lines in the error of `refuse_broken`.
+# Maximum number of lines in the error of `reject_broken`.
 MOST_SHOWN = 10
 
 
@@ -583,7 +584,7 @@ def save_digests(course: Course, reports: Iterable[WeekReport]) -> None:
     write_atomically(course.exercises.parent / DIGESTS_FILE, text.encode())
 
 
-def refuse_broken(course: Course, tell: Callable[[str], object] = lambda _: None) -> None:
+def reject_broken(course: Course, tell: Callable[[str], object] = lambda _: None) -> None:
     """Verify the weeks that have changed since their last verification.
 
     Args:

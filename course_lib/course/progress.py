@@ -98,7 +98,7 @@ class Progress:
     # The packed file, unless an older version of the kit wrote it.
     file: PackedSubmission | None = None
     # Whether the notebook has changed since then.
-    changed: bool = False
+    has_changed: bool = False
 
     @property
     def task_count(self) -> str:
@@ -121,7 +121,7 @@ def progress(week: Week, state: State) -> Progress:
         points=sum(result["score"] for result in results.values()),
         packed=datetime.fromisoformat(packed) if packed else None,
         file=file,
-        changed=bool(file and source and source.is_file() and content_hash(source) != file.notebook),
+        has_changed=bool(file and source and source.is_file() and content_hash(source) != file.notebook),
     )
 
 
@@ -222,7 +222,7 @@ def _describe_zip(week: Week, so_far: Progress) -> str:
     ]
     if not path.is_file():
         sentences.append(f"It is no longer at {path}.")
-    if so_far.changed:
+    if so_far.has_changed:
         sentences.append(f"{source} has changed since: course submit {source}")
     return " ".join(sentences)
 
@@ -233,7 +233,7 @@ def _next(rows: list[tuple[Week, Progress]]) -> str:
         if so_far.open:
             verb = "go on with" if so_far.done else "begin with"
             return f"Next: {verb} {so_far.open[0]} in {week.exercise}; the lesson is {week.lesson}."
-        if week.exercise and so_far.changed:
+        if week.exercise and so_far.has_changed:
             return f"Next: hand in {week.name} again, it has changed: course submit {week.exercise}"
         if week.exercise and so_far.packed is None:
             return f"Next: hand in {week.name}: course submit {week.exercise}"

@@ -613,12 +613,13 @@ class DrawnDisplay(TopicDisplay):
     # message is kept.
     length_label: ClassVar[str] = ""
     # Whether drawables are in the frame of the last message instead of the fixed frame.
-    in_frame: ClassVar[bool] = False
+    is_in_message_frame: ClassVar[bool] = False
     properties = FILTER_PROPERTIES
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
-        self.kept: deque[Any] = deque(maxlen=(self[self.length_label] or None) if self.length_label else 1)
+        length = self[self.length_label] if self.length_label else 1
+        self.history: deque[Any] = deque(maxlen=length or None)
         # Whether the drawing of a long history is out of date.
         self._is_stale = False
 
@@ -640,7 +641,7 @@ class DrawnDisplay(TopicDisplay):
             self.statuses.set("error", "Topic", INVALID)
             return
         transform = self.transform_at(message.header)
-        if transform is not None and self.in_frame:
+        if transform is not None and self.is_in_message_frame:
             self.context.scene.set_transform(f"{self.path}/drawn", transform)
         if transform is not None:
             self.keep(self.convert(message, transform))
@@ -651,8 +652,8 @@ class DrawnDisplay(TopicDisplay):
         To draw a long history again for each message would take quadratic time, so it is drawn once
         per frame.
         """
-        self.kept.append(converted)
-        if len(self.kept) > _SHORT_HISTORY:
+        self.history.append(converted)
+        if len(self.history) > _SHORT_HISTORY:
             self._is_stale = True
         else:
             self.draw()
@@ -667,12 +668,13 @@ class DrawnDisplay(TopicDisplay):
     def reset(self) -> None:
         """Discard all kept messages."""
         super().reset()
-        self.kept.clear()
+        self.history.clear()
 
     def on_property_change(self, label: str) -> None:
         """Redraw. RViz clears a buffer when its length changes, but truncates a history."""
         if label == self.length_label:
-            self.kept = deque(() if label == "Buffer Length" else self.kept, self[label] or None)
+            history = () if label == "Buffer Length" else self.history
+            self.history = deque(history, self[label] or None)
         super().on_property_change(label)
         if self.is_started:
             self.draw()

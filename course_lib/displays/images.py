@@ -424,7 +424,7 @@ class CameraInfoDisplay(DrawnDisplay):
 
     class_name = "rviz_default_plugins/CameraInfo"
     type_name = "sensor_msgs/msg/CameraInfo"
-    in_frame = True
+    is_in_message_frame = True
     properties = (
         *DrawnDisplay.properties,
         Property("Far clip", 1.0, number()),  # [m], height of the pyramid
@@ -453,9 +453,9 @@ class CameraInfoDisplay(DrawnDisplay):
     def drawables(self) -> Mapping[str, Drawable]:
         """Return the edges and sides that the properties request."""
         parts: dict[str, Drawable] = {}
-        if not self.kept or self.kept[0] is None:
+        if not self.history or self.history[0] is None:
             return parts
-        points = np.vstack([np.zeros(3), self.kept[0] * self["Far clip"]])
+        points = np.vstack([np.zeros(3), self.history[0] * self["Far clip"]])
         if self["Show edges"]:
             rgba = rgba_of(self, "Edge color")
             parts["edges"] = Lines(points[_EDGES].reshape(-1, 3), rgba, _WIDTH, strip=False)

@@ -328,7 +328,7 @@ class SceneMarker:
             self._pressed_control = controls_by_name.get(self._pressed_control.message.name)
         text = f"Locked to frame {self._frame}" if self._is_locked else "Position is fixed."
         self._statuses.set("ok", message.name, text)
-        self.update(changed=True)
+        self.update(is_changed=True)
 
     def move(self, header: motion.Message, pose: motion.Message) -> None:
         """Move to a pose from the server. During a drag, store the pose until the drag ends."""
@@ -336,7 +336,7 @@ class SceneMarker:
             self._requested = header, pose
             return
         self._set_pose(header, pose)
-        self.update(changed=True)
+        self.update(is_changed=True)
 
     def press(self, control: SceneControl, pointer: motion.Pointer, point: Floats | None) -> None:
         """Begin a drag; points and rays are in the fixed frame, [m]."""
@@ -446,24 +446,24 @@ class SceneMarker:
         is_fixed = not self._is_locked or self._frame.removeprefix("/") == frames.fixed_frame
         return _IDENTITY if is_fixed else frames.transform(self._frame)
 
-    def update(self, changed: bool = False) -> None:
+    def update(self, is_changed: bool = False) -> None:
         """Follow the reference frame and the camera; place the contents if one has changed."""
         scene, frames = self._context.scene, self._context.frames
         reference = self._reference_now()
         before, self._last_view = self._last_view, (reference, scene.camera)
-        if not changed and before and before[0] is reference and before[1] is scene.camera:
+        if not is_changed and before and before[0] is reference and before[1] is scene.camera:
             return
-        if changed or before is None or (before[0] is None) != (reference is None):
+        if is_changed or before is None or (before[0] is None) != (reference is None):
             scene.set_visible(self.path, reference is not None)
         if reference is None:
             problem = f"Error getting time of latest transform between {self._frame} and {frames.fixed_frame}"
             self._statuses.set("error", self.message.name, problem)
             return
         camera = motion.axes_of(scene.camera) @ reference[:3, :3]
-        if changed or not np.array_equal(reference, self._reference):
+        if is_changed or not np.array_equal(reference, self._reference):
             scene.set_transform(self.path, reference)
-            changed = True
-        if changed or not np.array_equal(camera, self._camera):
+            is_changed = True
+        if is_changed or not np.array_equal(camera, self._camera):
             self._reference, self._camera = reference, camera
             self._place_controls()
 
@@ -615,7 +615,7 @@ class InteractiveMarkersDisplay(Display):
         if name == "/":
             self.statuses.set("error", LABEL, "Error connecting: empty namespace")
             return
-        actions = ClientCallbacks(self._show, self._follow, self._clear)
+        actions = ClientCallbacks(self._show, self._apply_update, self._clear)
         transparent = self["Enable Transparency"]
         self._client = MarkerClient(self.context, name, self.statuses, actions, transparent)
         updates = f"{name}/update"
@@ -629,7 +629,7 @@ class InteractiveMarkersDisplay(Display):
         for name in list(self.markers):
             self._erase(name)
 
-    def _follow(self, update: motion.Message) -> None:
+    def _apply_update(self, update: motion.Message) -> None:
         self._show(update.markers)
         for message in update.poses:
             if not all(map(isfinite, _pose_numbers(message.pose))):

@@ -224,13 +224,13 @@ class OwnDisplay(DrawnDisplay):
 
     def drawables(self) -> Mapping[str, Drawable]:
         """Return the drawables of the last message."""
-        return self.drawing(self.kept[0][0]) if self.kept else {}
+        return self.drawing(self.history[0][0]) if self.history else {}
 
     def draw(self) -> None:
         """Redraw; an exception in the student's code becomes a status."""
-        if not self.kept:
+        if not self.history:
             return
-        self.context.scene.set_transform(f"{self.path}/drawn", self.kept[0][1])
+        self.context.scene.set_transform(f"{self.path}/drawn", self.history[0][1])
         try:
             with np.errstate(all="warn"):
                 super().draw()
@@ -244,7 +244,7 @@ class OwnDisplay(DrawnDisplay):
 
     def message_at(self, path: str) -> Any:
         """Return the displayed message."""
-        return self.kept[0][0] if self.kept and path.startswith(f"{self.path}/") else None
+        return self.history[0][0] if self.history and path.startswith(f"{self.path}/") else None
 
 
 def register(display: AnyDisplay) -> AnyDisplay:

@@ -659,7 +659,7 @@ class RobotModelDisplay(TopicDisplay):
 Configuration: TypeAlias = Mapping[str, float] | npt.ArrayLike | None
 
 
-def draw_still(
+def draw_robot(
     scene: Scene, path: str, robot: Robot, configuration: Configuration, alpha: float = 1.0
 ) -> None:
     """Draw a robot's links below a node, replacing its contents.

@@ -106,7 +106,7 @@ class RvizSession:
         # Returns the types of a topic's publishers.
         self.published_types: Callable[[str], Collection[str]] = lambda topic: ()
         # Returns the messages that publishers keep.
-        self.latched: Callable[[], Iterable[Sample]] = tuple
+        self.latched_samples: Callable[[], Iterable[Sample]] = tuple
         self.tools = all_tools()
         self.after_frame: list[Callable[[], None]] = []
         # Nodes of the scene that follow a frame, by their paths.
@@ -456,7 +456,7 @@ class RvizSession:
 
     def deliver_latched(self, subscriptions: Iterable[Subscription]) -> None:
         """Deliver latched messages to transient-local subscriptions, and add a hint for others."""
-        samples = list(self.latched())
+        samples = list(self.latched_samples())
         late_joining = [s for s in subscriptions if s.qos.is_latched]
         for sample in samples:
             self._deliver(sample, late_joining)

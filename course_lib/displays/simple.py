@@ -103,7 +103,7 @@ class PoseDisplay(DrawnDisplay):
 
     def drawables(self) -> Mapping[str, Drawable]:
         """Return an arrow or axes at the pose."""
-        return draw_shapes(list(self.kept), self) if self.kept else {}
+        return draw_shapes(list(self.history), self) if self.history else {}
 
 
 class PoseWithCovarianceDisplay(DrawnDisplay):
@@ -126,10 +126,10 @@ class PoseWithCovarianceDisplay(DrawnDisplay):
 
     def drawables(self) -> Mapping[str, Drawable]:
         """Return arrows or axes at the poses, and their covariances."""
-        if not self.kept:
+        if not self.history:
             return {}
-        shapes = draw_shapes([message.pose for message in self.kept], self, self.shape_prefix)
-        return shapes | draw_covariances(list(self.kept), self)
+        shapes = draw_shapes([message.pose for message in self.history], self, self.shape_prefix)
+        return shapes | draw_covariances(list(self.history), self)
 
 
 class PoseArrayDisplay(DrawnDisplay):
@@ -137,7 +137,7 @@ class PoseArrayDisplay(DrawnDisplay):
 
     class_name = "rviz_default_plugins/PoseArray"
     type_name = "geometry_msgs/msg/PoseArray"
-    in_frame = True
+    is_in_message_frame = True
     properties = (
         *DrawnDisplay.properties,
         Property("Shape", _FLAT, words(_FLAT, _SOLID, "Axes")),
@@ -165,11 +165,11 @@ class PoseArrayDisplay(DrawnDisplay):
 
     def drawables(self) -> Mapping[str, Drawable]:
         """Return all arrows or axes as one drawable, in the frame of the message."""
-        if not self.kept or not len(self.kept[0]):
+        if not self.history or not len(self.history[0]):
             return {}
         if self["Shape"] != _FLAT:
-            return draw_shapes(pose_matrices(self.kept[0]), self)
-        poses = pose_matrices(self.kept[0], is_raw=True)
+            return draw_shapes(pose_matrices(self.history[0]), self)
+        poses = pose_matrices(self.history[0], is_raw=True)
         points = (poses[:, None, :3, :3] @ (_STROKES * self["Arrow Length"])[:, :, None])[..., 0]
         ends = (points + poses[:, None, :3, 3]).reshape(-1, 3)
         return {"arrows": Lines(ends, rgba_of(self), strip=False)}
@@ -272,7 +272,8 @@ class PathDisplay(DrawnDisplay):
         """Return a line for each path, and the axes or arrows at all poses."""
         offset = np.eye(4)
         offset[:3, 3] = self["Offset"]
-        paths = [(offset @ transform, numbers) for transform, numbers in self.kept if len(numbers)]
+        history = [(transform, numbers) for transform, numbers in self.history if len(numbers)]
+        paths = [(offset @ transform, numbers) for transform, numbers in history]
         width = self["Line Width"] if self["Line Style"] == "Billboards" else 0.0
         drawables: dict[str, Drawable] = {}
         for i, (transform, numbers) in enumerate(paths):
@@ -308,7 +309,7 @@ class PolygonDisplay(DrawnDisplay):
 
     class_name = "rviz_default_plugins/Polygon"
     type_name = "geometry_msgs/msg/PolygonStamped"
-    in_frame = True
+    is_in_message_frame = True
     properties = (
         *DrawnDisplay.properties,
         Property("Color", (25, 255, 0), color),
@@ -321,9 +322,9 @@ class PolygonDisplay(DrawnDisplay):
 
     def drawables(self) -> Mapping[str, Drawable]:
         """Return the line through all corners and back to the first one."""
-        if not self.kept or not len(self.kept[0]):
+        if not self.history or not len(self.history[0]):
             return {}
-        (corners,) = self.kept
+        (corners,) = self.history
         return {"line": Lines(np.vstack([corners, corners[:1]]), rgba_of(self))}
 
 
@@ -332,7 +333,7 @@ class PointStampedDisplay(DrawnDisplay):
 
     class_name = "rviz_default_plugins/PointStamped"
     type_name = "geometry_msgs/msg/PointStamped"
-    length_label, in_frame = "History Length", True
+    length_label, is_in_message_frame = "History Length", True
     properties = (
         *DrawnDisplay.properties,
         Property("Color", (204, 41, 204), color),
@@ -348,7 +349,7 @@ class PointStampedDisplay(DrawnDisplay):
 
     def drawables(self) -> Mapping[str, Drawable]:
         """Return all spheres as one drawable."""
-        balls = [placement(np.eye(3), self["Radius"], point) for point in self.kept]
+        balls = [placement(np.eye(3), self["Radius"], point) for point in self.history]
         return {"points": Solids("sphere", balls, rgba_of(self))} if balls else {}
 
 
@@ -391,7 +392,7 @@ class RangeDisplay(DrawnDisplay):
 
     def drawables(self) -> Mapping[str, Drawable]:
         """Return all cones as one drawable."""
-        return {"cones": Solids("cone", list(self.kept), rgba_of(self))} if self.kept else {}
+        return {"cones": Solids("cone", list(self.history), rgba_of(self))} if self.history else {}
 
 
 # Lengths and diameters of shaft and head.
@@ -459,7 +460,7 @@ class ScrewDisplay(DrawnDisplay):
             scale, rgba = self[f"{label} Arrow Scale"], rgba_of(self, f"{label} Color")
             visible_arrows = [
                 (transform, vectors[row] / size, size * scale)
-                for transform, vectors in self.kept
+                for transform, vectors in self.history
                 if (size := float(np.linalg.norm(vectors[row])))
                 and (size * scale > self["Arrow Width"] or not hides)
             ]
@@ -612,7 +613,7 @@ class EffortDisplay(DrawnDisplay):
             self.statuses.set("error", "Process message", "Robot model might not be loaded yet")
             return
         self.statuses.delete("Process message")
-        oldest = self.kept.popleft() if len(self.kept) == self.kept.maxlen else {}
+        oldest = self.history.popleft() if len(self.history) == self.history.maxlen else {}
         if len(message.name) != len(message.effort):
             self.statuses.set("error", "Topic", _SIZES_DIFFER)
             self.draw()
@@ -626,7 +627,7 @@ class EffortDisplay(DrawnDisplay):
         """Return circles and tips for the enabled joints."""
         width, scale = self["Width"], self["Scale"]
         drawables: dict[str, Drawable] = {}
-        for index, efforts in enumerate(self.kept):
+        for index, efforts in enumerate(self.history):
             for name in (name for name in efforts if self[f"Joints/{name}"]):
                 rgba = (*rainbow([efforts[name].fraction])[0], 1.0)
                 circle, tip = efforts[name].draw(scale, width)
@@ -687,7 +688,7 @@ class GridCellsDisplay(DrawnDisplay):
 
     class_name = "rviz_default_plugins/GridCells"
     type_name = "nav_msgs/msg/GridCells"
-    in_frame = True
+    is_in_message_frame = True
     properties = (
         *DrawnDisplay.properties,
         Property("Color", (25, 255, 0), color),
@@ -701,7 +702,7 @@ class GridCellsDisplay(DrawnDisplay):
 
     def process(self, message: Any) -> None:
         """Draw the cells. A message that RViz rejects clears the drawing."""
-        self.kept.clear()
+        self.history.clear()
         if message.cell_width == 0 or message.cell_height == 0:
             text = "One of the Cell's dimension is zero, cells will be invisible."
             self.statuses.set("error", "Topic", text)
@@ -709,7 +710,7 @@ class GridCellsDisplay(DrawnDisplay):
             self.statuses.set("warn", "Topic", "Message is empty: there are no cells to be shown.")
         else:
             super().process(message)
-        if not self.kept:
+        if not self.history:
             self.draw()
 
     def convert(self, message: Any, transform_frame_to_fixed: Matrix) -> Any:
@@ -718,9 +719,9 @@ class GridCellsDisplay(DrawnDisplay):
 
     def drawables(self) -> Mapping[str, Drawable]:
         """Return the tiles of the last message."""
-        if not self.kept:
+        if not self.history:
             return {}
-        message = self.kept[0]
+        message = self.history[0]
         centers = [(cell.x, cell.y, cell.z) for cell in message.cells]
         *rgb, alpha = rgba_of(self)
         drawn_alpha = alpha if alpha == 1 else float(alpha_drawn_twice(np.array(alpha)))

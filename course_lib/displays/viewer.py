@@ -55,7 +55,7 @@ class Viewer(KnownAttributes):
         self._graph = graph = current_graph()
         scene, matching = Scene(), not graph.keeps_wall_time
         session = RvizSession(scene, fixed_frame, graph.now_ns, matching, use_sim_time)
-        session.context.is_seen, session.latched = self.is_seen, graph.latched_samples
+        session.context.is_seen, session.latched_samples = self.is_seen, graph.latched_samples
         session.context.node = node = RvizNode(graph, session.time)
         self._session, backlog = session, Backlog(session, graph)
         # By display: what added it, and the id of that run of the cell.
@@ -271,12 +271,12 @@ class Viewer(KnownAttributes):
             CourseError: The alpha is not between 0 and 1, or the robot cannot be drawn.
         """
         # Imported here because it is slow to load.
-        from course_lib.displays.robot_model import draw_still
+        from course_lib.displays.robot_model import draw_robot
 
         if not 0.0 <= alpha <= 1.0:
             raise CourseError(f"alpha is {alpha}, expected a number from 0.0 to 1.0")
         path = f"robots/{node_name(robot.name)}"
-        draw_still(self.scene, path, robot, configuration, alpha)
+        draw_robot(self.scene, path, robot, configuration, alpha)
         self.session.attach(path, frame_name(frame or ""), at)
 
     def save_html(self, path: str | Path, playback: bool = False) -> None:

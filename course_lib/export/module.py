@@ -42,7 +42,7 @@ def read_cells(file: Path) -> list[Cell]:
         for number, cell in code_cells(read_notebook(file)):
             code, tags = source(cell), cell.get("metadata", {}).get("tags", ())
             is_marked = bool(_MARK.match(code)) or "export" in tags
-            cells += _with_modules(Cell(number, without_magics(code), is_marked), file.parent)
+            cells += _split_off_modules(Cell(number, without_magics(code), is_marked), file.parent)
         return cells
     return [Cell(1, _text(file), is_marked=True)]
 
@@ -57,7 +57,7 @@ def _text(file: Path) -> str:
         ) from error
 
 
-def _with_modules(cell: Cell, folder: Path) -> Iterator[Cell]:
+def _split_off_modules(cell: Cell, folder: Path) -> Iterator[Cell]:
     """Yield the local modules that a cell imports from, then the cell without these imports."""
     lines = cell.source.splitlines()
     modules = {name: folder / f"{name}.py" for name in re.findall(r"^from (\w+) import", cell.source, re.M)}

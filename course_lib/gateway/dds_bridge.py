@@ -131,8 +131,8 @@ class DdsBridge:
                 self._dds.actions.get(timeout=remaining_seconds)()
             except Empty:
                 break
-            self._follow_demand()
-        self._follow_demand()
+            self._update_subscriptions()
+        self._update_subscriptions()
         if not self._is_robot_present:
             self._is_robot_present = self.is_up()
             if not self._is_robot_present and time.monotonic() - self._opened > SILENT_SECONDS:
@@ -259,7 +259,7 @@ class DdsBridge:
             elif was_offered:
                 self._offer(entity.topic)
 
-    def _follow_demand(self) -> None:
+    def _update_subscriptions(self) -> None:
         """Subscribe to exactly those topics of the robot that are needed."""
         if time.monotonic() - self._polled < DEMAND_PERIOD:
             return

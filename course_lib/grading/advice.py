@@ -58,7 +58,7 @@ _OLD_ITEMS = {
     *("a stamp is in the past", "a stamp is not the expected one"),
     *("a level is wrong", "a status message lacks an expected word", "a message has more than one status"),
     *("too many messages on a topic", "a trajectory has the wrong number of points"),
-    "the controller refuses the trajectory",
+    "the controller rejects the trajectory",
 }
 _SURPLUS = {
     "markers with the same ns and id replace each other",

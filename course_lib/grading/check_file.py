@@ -41,7 +41,7 @@ def check_file(path: Path) -> bool:
         )
     identity = current_identity()
     student = notebook.student or identity
-    steps = plan_scenarios(tasks, catalog, hidden=False)
+    steps = plan_scenarios(tasks, catalog, with_hidden=False)
     files = catalog.with_assets(week, working_files(path, notebook.cells))
     exercise_run = run_scenarios(Job(notebook.cells, student, steps, catalog.course.limits, files))
     judgement = judge(exercise_run, tasks, catalog)

@@ -153,7 +153,7 @@ def judge_trial(trial: Trial, course: store.Course, evidence_file: Path) -> str:
     """Judge stored evidence with the current checks, and return an error message if the mark is wrong."""
     catalog = store.catalog_of(course)
     tasks = catalog.tasks_of_week(trial.exercise.split("_")[0])
-    evidence = unpack(evidence_file.read_bytes(), plan_scenarios(tasks, catalog, hidden=True))
+    evidence = unpack(evidence_file.read_bytes(), plan_scenarios(tasks, catalog, with_hidden=True))
     judgement = judge(evidence, tasks, catalog)
     marked_tasks = [task for task in judgement.tasks if not task.rubric]
     is_solution = trial.name == "solution"
@@ -171,7 +171,7 @@ def _trials(exercise: str, solution: Path, course: store.Course) -> Iterator[Tri
     catalog = store.catalog_of(course)
     week = exercise.split("_")[0]
     tasks = catalog.tasks_of_week(week)
-    steps = tuple(step.without_checks() for step in plan_scenarios(tasks, catalog, hidden=True))
+    steps = tuple(step.without_checks() for step in plan_scenarios(tasks, catalog, with_hidden=True))
     stub = course.exercises / f"{exercise}.ipynb"
     texts = {
         "solution": (solution, solution.read_bytes()),
@@ -187,7 +187,8 @@ def _trials(exercise: str, solution: Path, course: store.Course) -> Iterator[Tri
             advice = f" It is generated from {solution}: {command}" if path == stub else ""
             raise CourseError(f"nothing is graded: {path.parent}: {error}{advice}") from None
         files = catalog.with_assets(week, working_files(path, cells))
-        job = Job(cells, STUDENT, steps, catalog.course.limits, files, course.sandbox, course.refused)
+        limits, forbidden_paths = catalog.course.limits, course.forbidden_paths
+        job = Job(cells, STUDENT, steps, limits, files, course.sandbox, forbidden_paths)
         yield Trial(exercise, name, path, job)
 
 
@@ -327,7 +328,7 @@ def _find(submissions: Path, course: store.Course) -> list[Submission]:
         return settings.late.is_accepted(submission.received.days_late(deadline, settings.late))
 
     all_submissions = find_submissions(
-        submissions, settings.counts, settings.zone, with_refused=True, is_accepted=is_accepted
+        submissions, settings.counts, settings.zone, with_rejected=True, is_accepted=is_accepted
     )
     resolved = resolve_ids(all_submissions, submissions)
     for line in (
@@ -442,7 +443,7 @@ def _grade_all(work: Pending, jobs: int, dask: str | None) -> Iterator[Gradebook
     course, out = work.course, work.out
     with executors(jobs, dask if work.missing else None) as (runner, judge_executor, window):
         if work.missing:
-            for note in runner.submit(prepare, course.sandbox, course.refused).result():
+            for note in runner.submit(prepare, course.sandbox, course.forbidden_paths).result():
                 say(note)
         exercises = {attempts.exercise for attempts in work.line if attempts.jobs}
         for note in run_preflight(exercises, course, out, runner, judge_executor, may_run=not work.rejudge):
@@ -556,7 +557,8 @@ def _judge_one(
         catalog = store.catalog_of(course)
         tasks = catalog.tasks_of_week(submission.exercise.split("_")[0])
         packed_evidence = store.evidence_path(out, submission.key).read_bytes()
-        return judge(unpack(packed_evidence, plan_scenarios(tasks, catalog, hidden=True)), tasks, catalog)
+        steps = plan_scenarios(tasks, catalog, with_hidden=True)
+        return judge(unpack(packed_evidence, steps), tasks, catalog)
     except Exception as error:
         # Checks do not raise here, so this is an error of the kit, not of the student.
         return Fault.from_error(error)

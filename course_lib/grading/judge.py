@@ -47,20 +47,23 @@ def judge(run: "ExerciseRun", tasks: Sequence[Task], catalog: Catalog) -> Judgem
     )
 
 
-def judge_task(task: Task, points: float, bonus: bool, runs: Sequence[Run]) -> TaskResult:
+def judge_task(task: Task, points: float, is_bonus: bool, runs: Sequence[Run]) -> TaskResult:
     """Judge all runs of a task. A check that raises an exception loses only its own points."""
     judge = _Judge()
     checks = tuple(result for run in runs for result in judge.results(run))
     if task.rubric:
         # A person marks this task, so the checks only report.
         checks = tuple(replace(check, weight=0.0) for check in checks)
-    errors = dict.fromkeys(error for run in runs if not run.hidden for error in run.evidence.errors)
+    public_evidence = [run.evidence for run in runs if not run.is_hidden]
+    errors = dict.fromkeys(error for evidence in public_evidence for error in evidence.errors)
     if any(
-        set(run.evidence.errors) - errors.keys() for run in runs if run.hidden and not run.evidence.stopped
+        set(run.evidence.errors) - errors.keys() for run in runs if run.is_hidden and not run.evidence.stopped
     ):
         errors[HIDDEN_ERROR] = None
     stopped = next((run.evidence.stopped for run in runs if run.evidence.stopped), "")
-    return TaskResult(task.id, task.title, points, bonus, checks, tuple(errors), stopped, rubric=task.rubric)
+    return TaskResult(
+        task.id, task.title, points, is_bonus, checks, tuple(errors), stopped, rubric=task.rubric
+    )
 
 
 # The timer repeats after this processor time [s], for code that swallows the first exception.
@@ -200,7 +203,7 @@ def _row(check: Check, run: Run, verdict: Verdict) -> CheckResult:
     return CheckResult(
         title=check.title,
         scenario=run.scenario.name,
-        hidden=run.hidden,
+        is_hidden=run.is_hidden,
         weight=check.weight,
         score=score,
         message=verdict.message,

@@ -35,8 +35,8 @@ from course_lib.grading.task import Row, Scenario
 from course_lib.third_party import read_json
 
 # The structure of a result's file. Files of the kit up to 0.3 have no version, and all fields in
-# one object.
-VERSION = 2
+# one object. In version 2, some fields have other names.
+VERSION = 3
 DAY = 86_400  # [s]
 RECEIPT_TIME, UNKNOWN = "receipt", "unknown"  # sources of a time of receipt
 # How the ID in a file compares with its student: `Submission.id_flag`.
@@ -45,11 +45,16 @@ NOT_RUN = "not run"
 Status = Literal["graded", "needs_marking", "limit", "rejected", "grader_error"]
 T = TypeVar("T")
 OLD_SUBMISSION = (
-    "student", "exercise", "claimed", "sha256", "problem", "key", "twins", "values_of", "id_flag", "id_note",
+    "student", "exercise", "claimed_id", "sha256", "problem", "key", "twins", "values_of", "id_flag",
+    "id_note",
 )  # fmt: skip
 OLD_RECEIVED = {"time": "received", "source": "received_from", "late": "late", "receipt": "receipt_time"}
 OLD_LATE = ("percent_per_day", "max_percent", "accepted_days")
 OLD_JUDGEMENT = ("tasks", "isolation", "cell_errors", "output", "digests", "limit")
+RENAMED_FIELDS = {
+    "claimed": "claimed_id", "named": "relative_path", "refused": "rejected_files",
+    "hidden": "is_hidden", "bonus": "is_bonus",
+}  # fmt: skip
 NO_PENALTY = LatePolicy(0.0)
 
 
@@ -146,7 +151,7 @@ class Submission:
         received: The time of receipt and its source.
         notebook: Its cells and metadata; None if it can't be read.
         files: Contents of files submitted with it, by relative path.
-        claimed: The ID in the file.
+        claimed_id: The ID in the file.
         sha256: Digest of the notebook and its files.
         problem: The reason why it can't be graded, or "".
         key: The key of its evidence, if it can be graded.
@@ -157,9 +162,9 @@ class Submission:
         id_note: The same as a sentence.
         others: The student's other files of the exercise, which do not count.
         reason: A keyword for the problem, if it is not the file's.
-        named: The file's path in the folder of submissions.
+        relative_path: The file's path in the folder of submissions.
         counts: Which of several files counts.
-        refused: The student's files that `course collect` rejected, with the reasons.
+        rejected_files: The student's files that `course collect` rejected, with the reasons.
         is_untouched: True if the notebook is the unchanged exercise.
     """
 
@@ -169,7 +174,7 @@ class Submission:
     received: ReceiptTime
     notebook: Notebook | None = None
     files: Mapping[str, str] = field(default_factory=dict)
-    claimed: str | None = None
+    claimed_id: str | None = None
     sha256: str = ""
     problem: str = ""
     key: str = ""
@@ -180,9 +185,9 @@ class Submission:
     id_note: str = ""
     others: tuple[str, ...] = ()
     reason: str = ""
-    named: str = ""
+    relative_path: str = ""
     counts: Counts = "last"
-    refused: tuple[str, ...] = ()
+    rejected_files: tuple[str, ...] = ()
     is_untouched: bool = False
 
     @property
@@ -201,11 +206,11 @@ class Submission:
                 f"several files have the ID {self.student}, in {', '.join(self.rivals)}: this one counts"
             )
         if self.others and self.counts == "best":
-            notes.append(f"the best of these counts: {', '.join((*self.others, self.named))}")
+            notes.append(f"the best of these counts: {', '.join((*self.others, self.relative_path))}")
         elif self.others:
-            notes.append(f"{self.named} counts, not {', '.join(self.others)}")
-        if self.refused:
-            notes.append(f"not collected: {', '.join(self.refused)}")
+            notes.append(f"{self.relative_path} counts, not {', '.join(self.others)}")
+        if self.rejected_files:
+            notes.append(f"not collected: {', '.join(self.rejected_files)}")
         notes += self.received.notes
         return [*notes, self.id_note] if self.id_note else notes
 
@@ -216,7 +221,7 @@ class Run:
 
     scenario: Scenario
     evidence: Evidence
-    hidden: bool = False
+    is_hidden: bool = False
 
 
 @dataclass(frozen=True)
@@ -226,7 +231,7 @@ class CheckResult:
     Args:
         title: The check's title.
         scenario: The scenario's name.
-        hidden: Whether the message is withheld from students.
+        is_hidden: Whether the message is withheld from students.
         weight: Share of the task's points.
         score: From 0 to 1.
         message: The reason, with values.
@@ -238,7 +243,7 @@ class CheckResult:
 
     title: str
     scenario: str
-    hidden: bool
+    is_hidden: bool
     weight: float
     score: float
     message: str
@@ -260,7 +265,7 @@ class TaskResult:
         task: The task's id.
         title: The title in tables.
         points: The maximum number of points.
-        bonus: Whether the points are added on top of the 100.
+        is_bonus: Whether the points are added on top of the 100.
         checks: The results of its checks.
         errors: The exceptions that the student's code raised.
         stopped: The limit that ended the code, or "".
@@ -273,7 +278,7 @@ class TaskResult:
     task: str
     title: str
     points: float
-    bonus: bool
+    is_bonus: bool
     checks: tuple[CheckResult, ...]
     errors: tuple[str, ...] = ()
     stopped: str = ""
@@ -387,7 +392,7 @@ class Mark:
     def compute(cls, tasks: Sequence[TaskResult], days_late: int, late: LatePolicy) -> "Mark":
         """Add up the points of tasks, bonus on top, and deduct the late penalty."""
         score = round(sum(task.score for task in tasks), 2)
-        max_score = sum(task.points for task in tasks if not task.bonus)
+        max_score = sum(task.points for task in tasks if not task.is_bonus)
         penalty = round(score * late.penalty_percent(days_late) / 100, 2)
         return cls(score, max_score, days_late, penalty, round(score - penalty, 2))
 
@@ -520,9 +525,17 @@ def read_stored_result(path: Path) -> Result:
         OSError: The file can't be read.
     """
     content = read_json(path.read_text(encoding="utf-8"))
+    if isinstance(content, dict) and content.get("version") != VERSION:
+        content = _rename_fields(content)
     if isinstance(content, dict) and "submission" not in content:
         content = _from_version_1(content)
     return from_plain(content, Result)
+
+
+def _rename_fields(content: Any) -> Any:
+    if isinstance(content, dict):
+        return {RENAMED_FIELDS.get(key, key): _rename_fields(value) for key, value in content.items()}
+    return [_rename_fields(value) for value in content] if isinstance(content, list) else content
 
 
 def _from_version_1(content: Mapping[str, Any]) -> dict[str, Any]:

@@ -48,7 +48,7 @@ class Course:
         return self.exercises.parent / "notebooks"
 
     @property
-    def refused(self) -> tuple[str, ...]:
+    def forbidden_paths(self) -> tuple[str, ...]:
         """Paths that submissions must not be able to read."""
         return tuple(str(path.resolve()) for path in (self.exercises, self.solutions, *self.private_folders))
 

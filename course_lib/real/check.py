@@ -265,7 +265,7 @@ def results_on_ros(path: Path, environment: RealEnvironment) -> Iterator[RealRes
     student = notebook.student or current_identity()
     code = statements(read_cells(path))
     nodes = [task for task in tasks if task.kind == "node"]
-    steps = plan_scenarios(nodes, catalog, hidden=False)
+    steps = plan_scenarios(nodes, catalog, with_hidden=False)
     result = run_scenarios(Job(notebook.cells, student, steps, catalog.course.limits))
     for task in tasks:
         in_kit = [run.evidence for run in result.runs if run.evidence.task == task.id]

@@ -542,21 +542,21 @@ class TurtleFollower(Node):
         self._buffer = Buffer()
         self._listener = TransformListener(self._buffer, self)
         self._spawner = self.create_client(Spawn, "spawn")
-        self._spawned: Future[Spawn.Response] | None = None
+        self._spawn_response: Future[Spawn.Response] | None = None
         self._twists = self.create_publisher(Twist, "turtle2/cmd_vel", 1)
         self.create_timer(FOLLOW_PERIOD, self._follow)
 
     def _follow(self) -> None:
-        if self._spawned is None:
+        if self._spawn_response is None:
             self._spawn()
-        elif not self._spawned.done():
+        elif not self._spawn_response.done():
             self.get_logger().info("Spawn is not finished")
         else:
             self._drive()
 
     def _spawn(self) -> None:
         if self._spawner.service_is_ready():
-            self._spawned = self._spawner.call_async(Spawn.Request(name="turtle2", x=4.0, y=2.0))
+            self._spawn_response = self._spawner.call_async(Spawn.Request(name="turtle2", x=4.0, y=2.0))
         else:
             self.get_logger().info("Service is not ready")
 

@@ -36,14 +36,14 @@ from course_lib.tools.verb import (
     check_type,
     count,
     fill,
-    find_verb,
     flag,
     hidden,
     kind_of,
-    list_verb,
+    make_find_verb,
+    make_list_verb,
+    make_type_verb,
     positive,
     show_types,
-    type_verb,
     value,
 )
 
@@ -114,9 +114,9 @@ _CALL = (
     value("-r", "--rate", metavar="N", type=positive(float), help="Repeat the call at a specific rate in Hz"),
 )
 SERVICE_VERBS = (
-    list_verb("service", "Output a list of available services", _services, hidden("service")),
-    type_verb("service", "Output a service's type", _services, _SERVICE_NAME),
-    find_verb("service", _services, _SERVICE_TYPE),
+    make_list_verb("service", "Output a list of available services", _services, hidden("service")),
+    make_type_verb("service", "Output a service's type", _services, _SERVICE_NAME),
+    make_find_verb("service", _services, _SERVICE_TYPE),
     Verb(
         "service",
         "info",
@@ -214,8 +214,8 @@ _SEND = (
     flag("-f", "--feedback", help="Echo feedback messages for the goal"),
 )
 ACTION_VERBS = (
-    list_verb("action", "Output a list of action names", _actions),
-    type_verb("action", "Print a action's type", _actions, _ACTION_NAME),
+    make_list_verb("action", "Output a list of action names", _actions),
+    make_type_verb("action", "Print a action's type", _actions, _ACTION_NAME),
     Verb(
         "action",
         "info",
@@ -233,7 +233,7 @@ Named = tuple[str, str]
 
 
 def _list_nodes(source: Source, arguments: Namespace, write: Write) -> None:
-    names = sorted(name for _, name in _graph_nodes(source, hidden=arguments.all))
+    names = sorted(name for _, name in _graph_nodes(source, with_hidden=arguments.all))
     if arguments.count:
         write(f"{len(names)}\n")
         return
@@ -247,7 +247,7 @@ def _list_nodes(source: Source, arguments: Namespace, write: Write) -> None:
 
 def _print_node_info(source: Source, arguments: Namespace, write: Write) -> None:
     node_name, with_hidden = arguments.node_name, arguments.include_hidden
-    nodes = _graph_nodes(source, hidden=with_hidden)
+    nodes = _graph_nodes(source, with_hidden=with_hidden)
     node_ids = [node for node, name in nodes if name == node_name]
     if not node_ids:
         raise CourseError(f"Unable to find node '{node_name}'{did_you_mean(node_name, dict(nodes).values())}")
@@ -262,10 +262,11 @@ def _print_node_info(source: Source, arguments: Namespace, write: Write) -> None
         write(f"  {title}:\n" + "\n".join(f"    {name}: {of}" for name, of in rows) + "\n")
 
 
-def _graph_nodes(source: Source, *, hidden: bool) -> list[tuple[int, str]]:
+def _graph_nodes(source: Source, *, with_hidden: bool) -> list[tuple[int, str]]:
     """List the ids and full names of the nodes."""
     nodes = source.graph.nodes()
-    return [(node.id, node.full_name) for node in nodes if hidden or not node.name.startswith("_")]
+    nodes = [node for node in nodes if with_hidden or not node.name.startswith("_")]
+    return [(node.id, node.full_name) for node in nodes]
 
 
 def _sections(endpoints: Iterable[EndpointInfo]) -> dict[str, list[Named]]:
@@ -302,7 +303,7 @@ GET_STATE, STATE_TYPE = "/get_state", "lifecycle_msgs/srv/GetState"
 
 
 def _list_lifecycle_nodes(source: Source, arguments: Namespace, write: Write) -> None:
-    names = _lifecycle_nodes(source, hidden=arguments.all)
+    names = _lifecycle_nodes(source, with_hidden=arguments.all)
     write(f"{len(names)}\n" if arguments.count else "".join(f"{name}\n" for name in names))
 
 
@@ -311,7 +312,7 @@ def _print_state(source: Source, arguments: Namespace, write: Write) -> None:
     for name in (
         [_find_lifecycle_node(source, arguments)]
         if node_name
-        else _lifecycle_nodes(source, hidden=with_hidden)
+        else _lifecycle_nodes(source, with_hidden=with_hidden)
     ):
         state = _call_lifecycle_service(source, name, "GetState", "get_state").current_state
         write(f"{'' if node_name else f'{name}: '}{state.label} [{state.id}]\n")
@@ -355,18 +356,18 @@ def _call_lifecycle_service(
         return answer(source, future, name, source.limit(ANSWER_LIMIT))
 
 
-def _lifecycle_nodes(source: Source, *, hidden: bool) -> list[str]:
+def _lifecycle_nodes(source: Source, *, with_hidden: bool) -> list[str]:
     """List the full names of nodes with the service `get_state`."""
     services = {e.service[0] for e in source.graph.endpoints() if e.service and e.service[1] == STATE_TYPE}
     nodes = {node.full_name for node in source.graph.nodes() if f"{node.full_name}{GET_STATE}" in services}
-    return sorted(name for name in nodes if hidden or not is_hidden(name))
+    return sorted(name for name in nodes if with_hidden or not is_hidden(name))
 
 
 def _find_lifecycle_node(source: Source, arguments: Namespace) -> str:
     """Return the full name of the lifecycle node in the arguments."""
     name = arguments.node_name
     full = name if name.startswith("/") else f"/{name}"
-    nodes = _lifecycle_nodes(source, hidden=arguments.hidden)
+    nodes = _lifecycle_nodes(source, with_hidden=arguments.hidden)
     if full not in nodes:
         raise CourseError(f"Node not found{did_you_mean(full, nodes)}")
     return full

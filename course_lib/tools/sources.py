@@ -68,7 +68,7 @@ class Source(ABC):
         self.graph = graph
         self._always_there = always_there
 
-    def topics(self, *, hidden: bool = True) -> dict[str, list[str]]:
+    def topics(self, *, with_hidden: bool = True) -> dict[str, list[str]]:
         """Return the sorted types of each topic by name."""
         types_by_topic = {name: set(types) for name, types in self._always_there.items()}
         for endpoint in (e for e in self.graph.endpoints() if e.service is None):
@@ -76,7 +76,7 @@ class Source(ABC):
         return {
             name: sorted(types_by_topic[name])
             for name in sorted(types_by_topic)
-            if hidden or not is_hidden(name)
+            if with_hidden or not is_hidden(name)
         }
 
     def endpoints(self, topic: str, kind: Literal["pub", "sub"]) -> list[EndpointInfo]:

@@ -24,14 +24,14 @@ from course_lib.tools.verb import (
     check_type,
     count,
     fill,
-    find_verb,
     flag,
     hidden,
     kind_of,
+    make_find_verb,
+    make_type_verb,
     parse_unsigned,
     positive,
     show_types,
-    type_verb,
     value,
     write_names,
 )
@@ -137,7 +137,7 @@ def type_of(source: Source, topic: str, write: Write, *, blocking: bool) -> str:
 
 def describe_topics(source: Source) -> str:
     """Return a sentence with the names that `ros2 topic list` prints."""
-    return f"Topics here: {', '.join(source.topics(hidden=False)) or 'none'}."
+    return f"Topics here: {', '.join(source.topics(with_hidden=False)) or 'none'}."
 
 
 def silence_message(source: Source, topic: str, qos: Qos, since_ns: int) -> str:
@@ -222,7 +222,7 @@ _SIDES: tuple[tuple[str, Literal["pub", "sub"], str], ...] = (
 
 
 def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
-    topics = source.topics(hidden=arguments.hidden)
+    topics = source.topics(with_hidden=arguments.hidden)
     if arguments.count or not arguments.verbose:
         write_names(topics, arguments, write)
         return
@@ -277,7 +277,7 @@ def _duration(limit_ns: int | None) -> str:
 
 
 def _topics(source: Source, with_hidden: bool) -> dict[str, list[str]]:
-    return source.topics(hidden=with_hidden)
+    return source.topics(with_hidden=with_hidden)
 
 
 _NAME = value("topic_name", help="Name of the ROS topic (e.g. '/chatter')")
@@ -289,8 +289,8 @@ _LIST = (*NODE_OPTIONS, show_types("topic"), count("topic"), hidden("topic"), _V
 TOPIC_LISTS = (
     Verb("topic", "list", "Output a list of available topics", _LIST, _list_all),
     Verb("topic", "info", "Print information about a topic", (*NODE_OPTIONS, _NAME, _VERBOSE), _print_info),
-    type_verb("topic", "Print a topic's type", _topics, _NAME),
-    find_verb("topic", _topics, _TYPE),
+    make_type_verb("topic", "Print a topic's type", _topics, _NAME),
+    make_find_verb("topic", _topics, _TYPE),
 )
 
 

@@ -149,8 +149,8 @@ def write_names(types_by_name: Types, arguments: Namespace, write: Write) -> Non
         write(f"{name} [{', '.join(types)}]\n" if arguments.show_types else f"{name}\n")
 
 
-def list_verb(kind: str, about: str, find: FindTypes, *options: Option) -> Verb:
-    """Return the verb that prints names with types, or their number."""
+def make_list_verb(kind: str, about: str, find: FindTypes, *options: Option) -> Verb:
+    """Return a verb that prints names with types, or their number."""
 
     def run(source: Source, arguments: Namespace, write: Write) -> None:
         write_names(find(source, getattr(arguments, "hidden", True)), arguments, write)
@@ -158,8 +158,8 @@ def list_verb(kind: str, about: str, find: FindTypes, *options: Option) -> Verb:
     return Verb(kind, "list", about, (*NODE_OPTIONS, show_types(kind), count(kind), *options), run)
 
 
-def type_verb(kind: str, about: str, find: FindTypes, name: Option) -> Verb:
-    """Return the verb that prints the types of a name."""
+def make_type_verb(kind: str, about: str, find: FindTypes, name: Option) -> Verb:
+    """Return a verb that prints the types of a name."""
 
     def run(source: Source, arguments: Namespace, write: Write) -> None:
         name, types_by_name = getattr(arguments, f"{kind}_name"), find(source, True)
@@ -170,8 +170,8 @@ def type_verb(kind: str, about: str, find: FindTypes, name: Option) -> Verb:
     return Verb(kind, "type", about, (*NODE_OPTIONS, name), run)
 
 
-def find_verb(kind: str, find: FindTypes, type_help: str) -> Verb:
-    """Return the verb that prints the names with a given type."""
+def make_find_verb(kind: str, find: FindTypes, type_help: str) -> Verb:
+    """Return a verb that prints the names with a given type."""
 
     def run(source: Source, arguments: Namespace, write: Write) -> None:
         type_name = getattr(arguments, f"{kind}_type")

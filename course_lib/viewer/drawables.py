@@ -311,7 +311,7 @@ class Sheet:
         cells: Color indices, shape (rows, columns); rows are along y.
         colors: Shape (256, 4).
         width: Width of a cell [m].
-        behind: Whether it is drawn behind everything else.
+        is_behind: Whether it is drawn behind everything else.
     """
 
     def __init__(
@@ -319,12 +319,12 @@ class Sheet:
         cells: ArrayLike,
         colors: ArrayLike,
         width: float,
-        behind: bool = False,
+        is_behind: bool = False,
     ) -> None:
         self.cells: Bytes = checked_array("cells", cells, np.uint8, (None, None))
         self.colors = rgba(colors, 256)
         self.width = float(width)
-        self.behind = behind
+        self.is_behind = is_behind
 
 
 class Inset:
@@ -334,9 +334,9 @@ class Inset:
         pixels: RGB, 0..255, shape (rows, columns, 3).
         aspect: Width divided by height of the displayed image.
         camera: The camera that draws the scene over the image; None shows only the image.
-        behind: Whether the image is behind the scene, instead of the background color.
-        over: Opacity of the image over the scene, 0..1.
-        hidden: Paths of nodes that this camera does not draw.
+        is_behind: Whether the image is behind the scene, instead of the background color.
+        overlay_alpha: Opacity of the image over the scene, 0..1.
+        hidden_paths: Paths of nodes that this camera does not draw.
         area: Left, top, width and height of the image, as fractions of the displayed picture; used with
             a camera only.
     """
@@ -346,18 +346,18 @@ class Inset:
         pixels: ArrayLike,
         aspect: float | None = None,
         camera: Camera | None = None,
-        behind: bool = True,
-        over: float = 0.0,
-        hidden: tuple[str, ...] = (),
+        is_behind: bool = True,
+        overlay_alpha: float = 0.0,
+        hidden_paths: tuple[str, ...] = (),
         area: tuple[float, float, float, float] = (0.0, 0.0, 1.0, 1.0),
     ) -> None:
         self.pixels: Bytes = checked_array("pixels", pixels, np.uint8, (None, None, 3))
         rows, columns = self.pixels.shape[:2]
         self.aspect = float(aspect or columns / max(rows, 1))
         self.camera = camera
-        self.behind = behind
-        self.over = float(over)
-        self.hidden = hidden
+        self.is_behind = is_behind
+        self.overlay_alpha = float(overlay_alpha)
+        self.hidden_paths = hidden_paths
         self.area = area
 
 

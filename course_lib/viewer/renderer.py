@@ -119,7 +119,7 @@ class Triangles:
     # 4); the first row is at the top
     mask: Bytes | None = None
     # Whether it is behind all later objects.
-    behind: bool = False
+    is_behind: bool = False
     # Depth bias as a fraction of the distance.
     farther: float = 0.0
 
@@ -136,7 +136,7 @@ class Dots:
     diameters: Float32s
     transparent: bool
     is_round: bool
-    behind: bool = False
+    is_behind: bool = False
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,8 @@ def triangles_of(
     transform_scene_to_camera = camera.view_matrix()
     without = tuple(f"{path}/" for path in hidden_paths)
     objects = scene.objects().items()
-    for path, drawable in sorted(objects, key=lambda item: not getattr(item[1], "behind", False)):
+    ordered = sorted(objects, key=lambda item: not getattr(item[1], "is_behind", False))
+    for path, drawable in ordered:
         drawable = getattr(drawable, "stand_in", None) or drawable
         if type(drawable) in _CONVERTERS and scene.is_visible(path) and not f"{path}/".startswith(without):
             transform = transform_scene_to_camera @ scene.world_transform(path)
@@ -343,7 +344,7 @@ def _sheet(sheet: drawables.Sheet, view: Viewpoint) -> Triangles:
     square[..., 7:] = unit[..., :2]
     blended = bool((sheet.colors[..., 3] < drawables.OPAQUE_FROM).any())
     pixels = np.rint(sheet.colors * 255).astype(np.uint8)[sheet.cells[::-1]]
-    return Triangles(square, blended, pixels, sheet.behind, _ON_SHEETS)
+    return Triangles(square, blended, pixels, sheet.is_behind, _ON_SHEETS)
 
 
 _CONVERTERS: dict[type[drawables.Drawable], Callable[[Any, Viewpoint], Triangles]] = {
@@ -515,8 +516,10 @@ def _inset(scene: Scene, inset: drawables.Inset, size: tuple[int, int]) -> Pixel
         image, coverage = image.resize(size), 0 * coverage
     picture = np.asarray(image)
     background = np.where(coverage > 0, picture, np.array(scene.background, np.uint8))
-    inset_pixels = _pixels(scene, inset.camera, size, background if inset.behind else None, inset.hidden)
-    over = inset.over * coverage
+    inset_pixels = _pixels(
+        scene, inset.camera, size, background if inset.is_behind else None, inset.hidden_paths
+    )
+    over = inset.overlay_alpha * coverage
     mixed: Pixels = np.rint(inset_pixels * (1 - over) + picture * over).astype(np.uint8)
     return mixed
 
@@ -542,7 +545,7 @@ def _pixels(
     seen_through: list[Fragments] = []
     for triangles in triangles_of(scene, camera, size[1], hidden_paths):
         for fragments in _fragments(triangles, camera, (width, height)):
-            if triangles.behind:
+            if triangles.is_behind:
                 _blend(depths, colors, [fragments])
             elif triangles.transparent:
                 seen_through.append(fragments)

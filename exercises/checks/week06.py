@@ -94,7 +94,7 @@ LIMITS_ACCEPTED = accepted(
     "ros2 param set accepts 60 and 1 Hz", (1.0, "frame_rate", 60.0), (2.0, "frame_rate", 1.0)
 )
 FOLLOWS = expect_rate(IMAGES, 5.0, begin=3.1, end=5.9).requiring(PIXELS, ACCEPTED).titled("5 Hz from 3 s on")
-REFUSED = [expect_rate(IMAGES, 5.0, begin=at, end=at + 1.8).requiring(FOLLOWS) for at in (6.1, 8.1)]
+REJECTED = [expect_rate(IMAGES, 5.0, begin=at, end=at + 1.8).requiring(FOLLOWS) for at in (6.1, 8.1)]
 FRAME_SET = expect_message(IMAGES, {"header.frame_id": "front"}).requiring(PIXELS, ACCEPTED)
 FRAME_AT_FIRST = expect_message(IMAGES, {"header.frame_id": "camera_link"}).requiring(PIXELS)
 
@@ -142,8 +142,8 @@ CAMERA = Task(
                 expect_rate(IMAGES, my("frame_rate"), end=2.9).titled("your own rate at first"),
                 FOLLOWS,
                 FRAME_SET.titled("the frame that was set"),
-                REFUSED[0].titled("61 Hz is rejected: it continues with 5 Hz"),
-                REFUSED[1].titled("0.5 Hz is rejected: it continues with 5 Hz"),
+                REJECTED[0].titled("61 Hz is rejected: it continues with 5 Hz"),
+                REJECTED[1].titled("0.5 Hz is rejected: it continues with 5 Hz"),
                 RATES_REJECTED.requiring(FOLLOWS),
                 expect_stamps(IMAGES).worth(0.2).requiring(PIXELS).titled("the stamp"),
             ),

@@ -20,7 +20,7 @@ def robot_facts() -> dict[str, Any]:
 
 
 class Camera(Node):
-    """Follows, and refuses nothing: a rate of 0 divides by 0."""
+    """Follows, and rejects nothing: a rate of 0 divides by 0."""
 
     def __init__(self) -> None:
         super().__init__("camera")

@@ -103,7 +103,7 @@ HIDDEN = {
     ),
     "week06.camera": (
         Scenario(
-            "another frame, then faster twice, then two rates that are refused",
+            "another frame, then faster twice, then two rates that are rejected",
             seconds=10.0,  # [s]
             seed=5,
             inputs=(

@@ -108,7 +108,7 @@ def run_here(rehearsal: Rehearsal, task: Task, hidden: Scenario) -> RehearsalRes
         exec(cell, names)
     runs = [
         Run(one, run_in_this_process(task, one, names.get(task.name), {}), one is hidden)
-        for one in (*task.scenarios, *[hidden] * rehearsal.hidden)
+        for one in (*task.scenarios, *[hidden] * rehearsal.with_hidden)
     ]
     return RehearsalResult((judge_task(task, 10, False, runs),), (), (), ())
 
@@ -137,7 +137,7 @@ def test_crash_in_a_hidden_scenario_only_is_reported() -> None:
     with_hidden = list[str]()
 
     def run(rehearsals: Sequence[Rehearsal]) -> list[RehearsalResult]:
-        with_hidden.extend(one.name for one in rehearsals if one.hidden)
+        with_hidden.extend(one.name for one in rehearsals if one.with_hidden)
         return [run_here(one, task, hidden) for one in rehearsals]
 
     (found,) = find_false_passes(code, [task], "week09", run)

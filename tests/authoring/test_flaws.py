@@ -12,7 +12,7 @@ from course_lib.authoring.edits import make_edits, operators, read_answers
 from course_lib.authoring.new import new_week, template_picture
 from course_lib.authoring.rehearsal import cells_of
 from course_lib.authoring.rules import Flaw
-from course_lib.authoring.verify import WeekReport, lines, refuse_broken, verify
+from course_lib.authoring.verify import WeekReport, lines, reject_broken, verify
 from course_lib.errors import CourseError
 from course_lib.grading.store import Course, catalog_of
 from course_lib.grading.task import Task
@@ -378,7 +378,7 @@ def test_faulty_week_table_in_course_toml_prevents_release_but_not_verification_
     assert (nine.week, nine.cell("files"), nine.cell("solution")) == ("week09", "✘", ".")
     assert (ten.week, ten.flaws) == ("week10", ())
     with pytest.raises(CourseError, match=r"nothing was released.*line \d+: weeks: week09: points"):
-        refuse_broken(course)
+        reject_broken(course)
 
 
 def test_broken_course_is_not_released_and_verified_weeks_are_not_rerun(
@@ -394,14 +394,14 @@ def test_broken_course_is_not_released_and_verified_weeks_are_not_rerun(
     monkeypatch.setattr("course_lib.authoring.verify.verify", look)
     messages = list[str]()
     with pytest.raises(CourseError, match=r"nothing was released\. week09, quiz: week09\.toml line 3"):
-        refuse_broken(course, messages.append)
+        reject_broken(course, messages.append)
     assert messages[1] == "week09: 1 flaw. quiz: week09.toml line 3: no right answer"
     flaws, messages = (), []
-    refuse_broken(course, messages.append)
+    reject_broken(course, messages.append)
     assert messages == ["verifying week09 (1 of 1), which can take minutes …"]
-    refuse_broken(course, messages.append)
+    reject_broken(course, messages.append)
     assert len(messages) == 1
     assert verified == ["week09", "week09"]
     change(QUIZ, "0.8 m stands", "0.9 m stands")
-    refuse_broken(course)
+    reject_broken(course)
     assert verified == 3 * ["week09"]

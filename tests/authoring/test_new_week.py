@@ -109,7 +109,7 @@ def test_release_reports_template_placeholders(
     course: Course, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     monkeypatch.setattr("course_lib.grading.store.this_course", lambda: course)
-    monkeypatch.setattr("course_lib.authoring.verify.refuse_broken", lambda *_: None)  # takes minutes
+    monkeypatch.setattr("course_lib.authoring.verify.reject_broken", lambda *_: None)  # takes minutes
     monkeypatch.setattr("course_lib.course.release.release", lambda out, solutions: [out])
     cli.release(tmp_path / "out")
     note, done = capsys.readouterr().out.splitlines()

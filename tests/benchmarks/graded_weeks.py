@@ -35,7 +35,7 @@ def submissions(week: str, max_count: int) -> list[list[str]]:
 
 def cost(cells: list[str], week: str) -> tuple[float, float]:
     """Return the CPU time [s] of all processes in the jail, and of the grader."""
-    steps = plan_scenarios(catalog().tasks_of_week(week), catalog(), hidden=True)
+    steps = plan_scenarios(catalog().tasks_of_week(week), catalog(), with_hidden=True)
     begun = time.process_time()
     evidence = run_scenarios(Job(tuple(cells), STUDENT, steps, catalog().course.limits))
     return evidence.usage.cpu_seconds, time.process_time() - begun

@@ -186,7 +186,7 @@ def test_outdated_exercise_prevents_the_release(monkeypatch: pytest.MonkeyPatch,
         release(tmp_path / "out")
     assert not (tmp_path / "out").exists()
     # The command reports this before it verifies the weeks, which takes minutes.
-    monkeypatch.setattr("course_lib.authoring.verify.refuse_broken", lambda *_: pytest.fail("verified"))
+    monkeypatch.setattr("course_lib.authoring.verify.reject_broken", lambda *_: pytest.fail("verified"))
     with pytest.raises(CourseError, match="Review and commit"):
         cli.release(tmp_path / "out")
 

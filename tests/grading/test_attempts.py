@@ -83,7 +83,7 @@ def test_receipt_with_the_id_of_another_student_replaces_no_submission(tmp_path:
         "week01_exercise_ada (1).zip": packed("forged", "ada", late),
     })  # fmt: skip
     ada, bob = find_submissions(tmp_path)
-    assert (ada.student, ada.path.parent.name, bob.student, bob.claimed) == ("ada", "ada", "bob", "ada")
+    assert (ada.student, ada.path.parent.name, bob.student, bob.claimed_id) == ("ada", "ada", "bob", "ada")
     assert any("not week01_exercise_ada (1).zip" in note for note in ada.notes)
 
 

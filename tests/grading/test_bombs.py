@@ -80,7 +80,7 @@ def test_zip_bomb_is_limited_and_affects_only_its_student(
     monkeypatch.setattr(archives, "MAX_UNPACKED_FILES", 100)
     (tmp_path / "in.zip").write_bytes(zipped({place: BOMBS[kind](), f"zoe/{NAME}": notebook()}))
     collection = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
-    assert collection.refused
+    assert collection.rejected_lines
     assert total(tmp_path / "out") < 45 * MEGABYTE
     assert sum(1 for path in (tmp_path / "out").rglob("*") if path.is_file()) <= 103
     assert [one.student for one in find_submissions(tmp_path / "out")] == ["zoe"]
@@ -101,16 +101,16 @@ def test_zip_bomb_in_one_of_several_inner_folders_does_not_hide_the_layout(
     assert not (tmp_path / "out").exists()
 
 
-def test_many_refused_files_of_one_student_are_summed_up_in_a_line(tmp_path: Path) -> None:
+def test_many_rejected_files_of_one_student_are_summed_up_in_a_line(tmp_path: Path) -> None:
     inner = zipped({f"{n}.exe": b"" for n in range(900)})
     (tmp_path / "in.zip").write_bytes(zipped({"ada/files.zip": inner, "zoe/a.exe": b"1"}))
     collection = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
-    assert len(collection.refused) == 12
-    assert collection.refused[10] == "refused: 890 more files of ada"
-    assert ", 901 refused" in collection.summary(tmp_path / "out")
+    assert len(collection.rejected_lines) == 12
+    assert collection.rejected_lines[10] == "rejected: 890 more files of ada"
+    assert ", 901 files rejected" in collection.summary(tmp_path / "out")
 
 
-def test_archive_entries_of_one_file_are_refused_once(tmp_path: Path) -> None:
+def test_archive_entries_of_one_file_are_rejected_once(tmp_path: Path) -> None:
     """A small archive can have a thousand entries for one large file."""
     data = zipped({NAME: notebook()})
     start, end = data.index(b"PK\1\2"), data.index(b"PK\5\6")
@@ -118,7 +118,9 @@ def test_archive_entries_of_one_file_are_refused_once(tmp_path: Path) -> None:
     tail = struct.pack("<4s4H2LH", b"PK\5\6", 0, 0, 900, 900, len(entries), start, 0)
     (tmp_path / "in.zip").write_bytes(zipped({"ada/files.zip": data[:start] + entries + tail}))
     collection = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
-    assert [line.split(": ")[-1] for line in collection.refused] == ["the archive contains this name twice"]
+    assert [line.split(": ")[-1] for line in collection.rejected_lines] == [
+        "the archive contains this name twice"
+    ]
 
 
 @pytest.mark.parametrize("name", ["", "\0", "\0/x", "a//"])
@@ -144,8 +146,8 @@ def test_unpack_limit_applies_to_all_archives_of_a_student_together(
     (tmp_path / "in.zip").write_bytes(zipped(bombs))
     collection = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
     assert total(tmp_path / "out") < 11 * MEGABYTE
-    (refused,) = collection.refused
-    assert "all archives of Ada (7) together unpack to more than 10,000,000 bytes" in refused
+    (line,) = collection.rejected_lines
+    assert "all archives of Ada (7) together unpack to more than 10,000,000 bytes" in line
 
 
 @pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
@@ -165,7 +167,7 @@ def test_paths_that_cannot_be_created_are_rejected_individually(tmp_path: Path) 
     )
     (tmp_path / "in.zip").write_bytes(zipped({"ada/a.zip": inner, f"zoe/{NAME}": notebook()}))
     collection = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
-    assert len(collection.refused) == 2
+    assert len(collection.rejected_lines) == 2
     assert (tmp_path / "out/ada/ok.py").is_file()
 
 
@@ -178,7 +180,7 @@ def test_zip_bomb_is_rejected_with_one_line_messages(tmp_path: Path) -> None:
     (tmp_path / "in").mkdir()
     (tmp_path / "in/bomb.zip").write_bytes(zips_in_a_zip(6, 2))
     collection: Collection = collect(tmp_path / "in", tmp_path / "out", UTC)
-    assert all("\n" not in line for line in collection.refused)
+    assert all("\n" not in line for line in collection.rejected_lines)
     assert total(tmp_path / "out") <= MAX_UNPACKED_BYTES
 
 

@@ -60,7 +60,7 @@ def exercises_by_student(out: Path) -> dict[str, list[str]]:
 
 
 def rejected_in(out: Path) -> dict[str, str]:
-    submissions = find_submissions(out, with_refused=True)
+    submissions = find_submissions(out, with_rejected=True)
     return {
         one.student.removeprefix("participant410000"): f"{one.exercise}: {one.problem}"
         for one in submissions
@@ -132,7 +132,7 @@ def test_rejection_is_kept_when_the_same_file_is_accepted_for_another_exercise(t
     collected(tmp_path, wrong, exercise="week01")
     collected(tmp_path, wrong, exercise="week02")
     assert exercises_by_student(tmp_path / "out")["1"] == ["week02_exercise"]
-    refused = {one.exercise for one in find_submissions(tmp_path / "out", with_refused=True) if one.problem}
+    refused = {one.exercise for one in find_submissions(tmp_path / "out", with_rejected=True) if one.problem}
     assert rejected_in(tmp_path / "out")["1"].startswith("week01_exercise: week02_exercise.ipynb")
     assert refused == {"week01_exercise", "week02_exercise"}
     collected(tmp_path, {"Ada": {NAME: work(1)}}, exercise="week01")
@@ -222,7 +222,7 @@ def test_student_with_only_rejected_files_has_a_row_with_reason_and_advice(tmp_p
     assert row.startswith("week01_exercise: ")
     assert why in row
     assert row.endswith("Submit week01_exercise.ipynb, or the zip that `course submit` writes")
-    assert collection.rejected == {"participant4100002"}
+    assert collection.rejected_students == {"participant4100002"}
     assert "1 student rejected" in collection.summary(tmp_path)
 
 
@@ -233,10 +233,21 @@ def test_resubmission_clears_an_earlier_rejection(tmp_path: Path) -> None:
     assert rejected_in(tmp_path / "out") == {}
 
 
+def test_rejection_in_a_list_of_an_earlier_version_is_read_and_kept(tmp_path: Path) -> None:
+    collected(tmp_path, {"Ada": {NAME: work(1)}, "Bob": {"report.pdf": b"1"}})
+    path = tmp_path / "out/received.csv"
+    path.write_text(path.read_text().replace(",rejected\n", ",refused\n", 1))
+    _, bob = find_submissions(tmp_path / "out", with_rejected=True)
+    assert "unsupported file type" in bob.problem
+    collected(tmp_path, {"Ada": {NAME: work(1)}})
+    _, bob = find_submissions(tmp_path / "out", with_rejected=True)
+    assert "unsupported file type" in bob.problem
+
+
 def test_rejected_file_of_a_student_with_an_earlier_submission_is_a_note(tmp_path: Path) -> None:
     collected(tmp_path, {"Ada": {NAME: work(1)}, "Bob": {NAME: work(1)}})
     collected(tmp_path, {"Ada": {NAME: work(1)}, "Bob": {"report.pdf": b"1"}})
-    _, bob = find_submissions(tmp_path / "out", with_refused=True)
+    _, bob = find_submissions(tmp_path / "out", with_rejected=True)
     assert (bob.problem, bob.notes) == ("", ["not collected: participant4100002/report.pdf"])
 
 
@@ -246,7 +257,7 @@ def test_rejected_submission_is_found_in_a_folder_given_relative_to_its_parent(
     collected(tmp_path, {"Ada": {NAME: work(1)}, "Bob": {"report.pdf": b"1"}})
     (tmp_path / "course").mkdir()
     monkeypatch.chdir(tmp_path / "course")
-    _, bob = find_submissions(Path("../out"), with_refused=True)
+    _, bob = find_submissions(Path("../out"), with_rejected=True)
     assert "unsupported file type" in bob.problem
 
 
@@ -263,7 +274,7 @@ def test_rejected_submission_is_listed_in_gradebook_and_index(
     assert (bob["exercise"], bob["status"], bob["reason"], bob["final"]) == (
         "week01_exercise",
         "rejected",
-        "refused",
+        "not collected",
         "",
     )
     assert "report.pdf: unsupported file type; expected one of .ipynb" in bob["message"]
@@ -278,7 +289,10 @@ NAMES = ("week01_exercise.ipynb.txt", "week01_exercise.json", "week01_exercise.i
 @pytest.mark.parametrize("name", NAMES)
 def test_notebook_renamed_by_the_operating_system_is_accepted(tmp_path: Path, name: str) -> None:
     collection = collected(tmp_path, {"Ada": {name: work(1)}})
-    assert (collection.refused, exercises_by_student(tmp_path / "out")) == ([], {"1": ["week01_exercise"]})
+    assert (collection.rejected_lines, exercises_by_student(tmp_path / "out")) == (
+        [],
+        {"1": ["week01_exercise"]},
+    )
 
 
 @pytest.mark.parametrize("name", NAMES[:3])
@@ -311,7 +325,7 @@ def test_large_outputs_are_removed_while_reading(tmp_path: Path) -> None:
     (tmp_path / "hand/ada" / NAME).write_bytes(large)
     (one,) = find_submissions(tmp_path / "hand")
     assert one.notebook is not None
-    assert (one.notebook.cells, one.notebook.ran) == (('text = "outputs"',), (True,))
+    assert (one.notebook.cells, one.notebook.was_run) == (('text = "outputs"',), (True,))
 
 
 def test_removing_outputs_keeps_all_other_content() -> None:

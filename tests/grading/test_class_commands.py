@@ -40,8 +40,8 @@ def test_collect_grade_and_export_commands_convert_a_zip_to_a_csv(
         archive.writestr("../evil.ipynb", started)
     collected = in_process("collect", "moodle.zip", "--out", "in", "--roster", "roster.csv", cwd=tmp_path)
     assert collected.returncode == 1
-    assert "refused: ../evil.ipynb: its path leads out of the folder" in collected.stdout
-    assert "Collected 2 files of 2 students into in, 1 refused." in collected.stdout
+    assert "rejected: ../evil.ipynb: its path leads out of the folder" in collected.stdout
+    assert "Collected 2 files of 2 students into in, 1 file rejected." in collected.stdout
     graded = in_process("grade", "in", "--out", "graded", "--jobs", "1", cwd=tmp_path)
     assert graded.returncode == 1
     assert "2 submissions: 1 graded, 1 rejected." in graded.stdout

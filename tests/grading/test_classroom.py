@@ -97,8 +97,8 @@ def test_hostile_and_unknown_clones_are_reported_and_other_clones_collected(
     (clones / "robotics-cleo/my_course/week03_exercise.ipynb").write_text("[" * 100_000)
     out = tmp_path / "submissions"
     text = "\n".join(collect_clones(clones, out, tmp_path / "roster.csv", None))
-    assert "refused: robotics-eve: its name does not end with a login from the class list" in text
-    assert "refused: robotics-ada-l: ada1 has two clones" in text
+    assert "rejected: robotics-eve: its name does not end with a login from the class list" in text
+    assert "rejected: robotics-ada-l: ada1 has two clones" in text
     assert "2 students without the time of the push" in text
     by_student = {(one.student, one.exercise, bool(one.problem)) for one in find_submissions(out)}
     assert by_student == {("ada1", f"{WEEK}_exercise", False), ("cleo3", "week03_exercise", True)}

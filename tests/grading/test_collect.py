@@ -51,7 +51,7 @@ def test_moodle_zip_is_collected_with_both_naming_schemes(sort: Sort, tmp_path: 
         f"participant777/{NAME}",
         "received.csv",
     ]
-    assert len(collection.refused) == 1
+    assert len(collection.rejected_lines) == 1
     by_student = {s.student: s.received for s in find_submissions(tmp_path / "out")}
     assert {(r.time, r.source) for r in by_student.values()} == {
         (None, "unknown")
@@ -66,7 +66,7 @@ def test_canvas_names_with_late_marker_and_second_attempt_are_collected(sort: So
         f"bobsonbob_LATE_12_901_{NAME}": notebook("b = 1"),
         "bobsonbob_12_902_week01_exercise-1.ipynb": notebook("b = 2"),
     })  # fmt: skip
-    assert not collection.refused
+    assert not collection.rejected_lines
     assert collected_files(tmp_path / "out") == [
         f"11/{NAME}",
         "12/week01_exercise-1.ipynb",
@@ -97,8 +97,8 @@ def test_student_with_hidden_files_only_is_rejected_with_the_reason(sort: Sort, 
         archive.extractall(tmp_path / "folder")
     for collection in (sort(files), collect(tmp_path / "folder", tmp_path / "out2", AMMAN)):
         assert [owner for owner, _ in collection.skipped] == ["Ada (1)", "Bob (2)"]
-        assert "begins with a dot" in collection.refused[0]
-        assert collection.rejected == {"participant1", "participant2"}
+        assert "begins with a dot" in collection.rejected_lines[0]
+        assert collection.rejected_students == {"participant1", "participant2"}
 
 
 def test_attempt_with_the_higher_number_counts_at_equal_times(sort: Sort, tmp_path: Path) -> None:
@@ -172,7 +172,7 @@ def test_attempts_in_nbgrader_inbound_keep_their_times_and_the_newest_counts(tmp
     (tmp_path / "in/inbound/+week01+2026-03-09 17:30:00 UTC").mkdir()
     (tmp_path / f"in/inbound/+week01+2026-03-09 17:30:00 UTC/{NAME}").write_bytes(notebook())
     collection = collect(tmp_path / "in", tmp_path / "out", AMMAN)
-    assert (collection.students, len(collection.refused)) == ({"ada1"}, 1)
+    assert (collection.students, len(collection.rejected_lines)) == ({"ada1"}, 1)
     (one,) = find_submissions(tmp_path / "out")
     assert (one.student, one.notebook and one.notebook.cells) == ("ada1", ("x = 2",))
     assert one.received.time is not None
@@ -207,7 +207,7 @@ def test_nested_archives_belong_to_the_student_of_the_outer_archive(sort: Sort, 
     )
     mine = f"ada/Bob_99_assignsubmission_file_/{NAME}"
     assert collected_files(tmp_path / "out") == [mine, f"participant99/{NAME}", "received.csv"]
-    assert "timestamp.txt: unsupported file type; expected one of" in collection.refused[0]
+    assert "timestamp.txt: unsupported file type; expected one of" in collection.rejected_lines[0]
 
 
 def special(name: str, mode: int) -> zipfile.ZipInfo:
@@ -245,9 +245,9 @@ HOSTILE: dict[str, tuple[Bytes, str]] = {
 def test_unsafe_files_are_rejected_and_the_rest_is_collected(sort: Sort, tmp_path: Path, kind: str) -> None:
     files, why = HOSTILE[kind]
     collection = sort({**files, f"zoe/{NAME}": notebook()})
-    assert why in collection.refused[0]
-    assert len(collection.refused) == 1
-    assert all(line.isprintable() for line in collection.refused)
+    assert why in collection.rejected_lines[0]
+    assert len(collection.rejected_lines) == 1
+    assert all(line.isprintable() for line in collection.rejected_lines)
     assert collected_files(tmp_path) == ["in.zip", "out/received.csv", f"out/zoe/{NAME}"]
 
 
@@ -266,9 +266,9 @@ def test_student_with_an_archive_without_files_is_rejected(
     sort: Sort, tmp_path: Path, files: Mapping[str, bytes], why: str
 ) -> None:
     collection = sort({f"ada/{NAME}": notebook("a = 1"), "bob/work.zip": zipped(files)})
-    assert collection.refused == [f"refused: bob/work.zip: {why}"]
-    assert collection.rejected == {"bob"}
-    assert why in collection.rows["bob/work.zip"]["refused"]
+    assert collection.rejected_lines == [f"rejected: bob/work.zip: {why}"]
+    assert collection.rejected_students == {"bob"}
+    assert why in collection.rows["bob/work.zip"]["rejected"]
 
 
 def test_first_of_two_archive_members_with_one_name_counts(sort: Sort, tmp_path: Path) -> None:
@@ -277,7 +277,7 @@ def test_first_of_two_archive_members_with_one_name_counts(sort: Sort, tmp_path:
         archive.writestr(f"ada/{NAME}", notebook("second"))
     (tmp_path / "in.zip").write_bytes(second.getvalue())
     collection = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN)
-    assert "twice" in collection.refused[0]
+    assert "twice" in collection.rejected_lines[0]
     assert b"first" in (tmp_path / "out/ada" / NAME).read_bytes()
 
 
@@ -291,8 +291,8 @@ def test_name_with_a_null_byte_and_locked_file_are_rejected(sort: Sort, tmp_path
         struct.pack_into("<H", data, second + flags, 1)
     (tmp_path / "in.zip").write_bytes(data)
     collection = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN)
-    assert len(collection.refused) == 2
-    assert "it is encrypted. Submit it without a password" in collection.refused[1]
+    assert len(collection.rejected_lines) == 2
+    assert "it is encrypted. Submit it without a password" in collection.rejected_lines[1]
     assert collected_files(tmp_path / "out") == ["received.csv", f"zoe/{NAME}"]
 
 
@@ -319,8 +319,8 @@ def test_nested_archive_exceeding_the_size_limit_is_not_unpacked_further(
     collection = sort(
         {"ada/a.zip": zipped({f"{n}.py": b"#" * 250 for n in range(9)}), f"zoe/{NAME}": notebook()}
     )
-    assert "more than 1,000 bytes" in collection.refused[0]
-    assert len(collection.refused) == 1
+    assert "more than 1,000 bytes" in collection.rejected_lines[0]
+    assert len(collection.rejected_lines) == 1
     assert "ada/4.py" not in collected_files(tmp_path / "out")
     assert f"zoe/{NAME}" in collected_files(tmp_path / "out")
 
@@ -344,7 +344,7 @@ def test_symlinks_and_pipes_in_a_folder_are_rejected(tmp_path: Path) -> None:
     (tmp_path / "in/zoe/week02_exercise.ipynb").symlink_to(tmp_path / "secret" / NAME)
     os.mkfifo(tmp_path / "in/zoe/week03_exercise.ipynb")
     collection = collect(tmp_path / "in", tmp_path / "out", AMMAN)
-    assert len(collection.refused) == 3
+    assert len(collection.rejected_lines) == 3
     assert collected_files(tmp_path / "out") == ["received.csv", f"zoe/{NAME}"]
 
 
@@ -380,7 +380,7 @@ def test_file_names_in_a_student_archive_are_decoded(tmp_path: Path, kind: str) 
     (tmp_path / "in/ada/work.zip").write_bytes(data)
     collection = collect(tmp_path / "in", tmp_path / "out", AMMAN)
     names = sorted(path.name for path in (tmp_path / "out/ada/sub").iterdir())
-    assert (names, collection.refused) == (["Größe.yaml", "week01_exercise.ipynb"], [])
+    assert (names, collection.rejected_lines) == (["Größe.yaml", "week01_exercise.ipynb"], [])
 
 
 @pytest.mark.parametrize(
@@ -390,7 +390,7 @@ def test_backslashes_in_a_student_archive_do_not_lead_elsewhere(tmp_path: Path, 
     (tmp_path / "in/ada").mkdir(parents=True)
     (tmp_path / "in/ada/work.zip").write_bytes(zipped({name: notebook()}))
     collection = collect(tmp_path / "in", tmp_path / "out", AMMAN)
-    assert (collection.count, [line.split(": ")[-1] for line in collection.refused]) == (
+    assert (collection.count, [line.split(": ")[-1] for line in collection.rejected_lines]) == (
         0,
         ["its path leads out of the folder"],
     )

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -66,6 +67,23 @@ def test_result_of_version_0_3_is_read(tmp_path: Path) -> None:
     assert result.result.submission.received.time == datetime(2026, 10, 13, 8, tzinfo=UTC)
     assert result.result.submission.path == Path("ada/week01_exercise.ipynb")
     assert (result.result.isolation, result.result.attempts[0].final) == ("full", 40.0)
+
+
+def test_result_of_version_2_is_read(tmp_path: Path) -> None:
+    """Its fields are those of the current version, but some have other names."""
+    result = read_result(write_old_result(tmp_path / "old")).result
+    result.write(tmp_path / "new")
+    path = result_path(tmp_path / "new", "ada", "week01_exercise")
+    content = json.loads(path.read_text())
+    names = {"claimed_id": "claimed", "relative_path": "named", "rejected_files": "refused"}
+    submission = content["submission"].items()
+    content["submission"] = {names.get(name, name): value for name, value in submission}
+    for task in content["judgement"]["tasks"]:
+        task["bonus"] = task.pop("is_bonus")
+        for check in task["checks"]:
+            check["hidden"] = check.pop("is_hidden")
+    path.write_text(json.dumps({**content, "version": 2}))
+    assert replace(read_result(path).result, version=result.version) == result
 
 
 def test_result_is_unchanged_after_writing_and_reading(tmp_path: Path) -> None:

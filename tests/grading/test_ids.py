@@ -179,7 +179,7 @@ def test_identical_files_with_equal_personal_values_run_once(
     course: Course, strangers: tuple[str, str]
 ) -> None:
     tasks = list(catalog_of(course).tasks.values())
-    steps = plan_scenarios(tasks, catalog_of(course), hidden=True)
+    steps = plan_scenarios(tasks, catalog_of(course), with_hidden=True)
     limits = catalog_of(course).course.limits
     same = next(
         name

@@ -84,7 +84,7 @@ def test_item_discrimination_is_computed_against_the_rest_of_the_exercise(
 ) -> None:
     analysis = class_of(tmp_path, settings, 60)
     items = {item.title: item for item in analysis.checks}
-    assert items["steep"].hidden
+    assert items["steep"].is_hidden
     assert (items["steep"].discrimination or 0) > 0.5
     assert (items["upside down"].discrimination or 0) < -0.5
     assert "is it right?" in items["upside down"].remark

@@ -204,7 +204,7 @@ def test_launch_file_gives_equal_evidence_in_the_kernel_and_in_the_sandbox() -> 
     cells = (f"def launch_file():\n    return {text!r}",)
     course = shipped_catalog()
     (run,) = run_scenarios(
-        Job(cells, None, plan_scenarios([made], course, hidden=False), course.course.limits)
+        Job(cells, None, plan_scenarios([made], course, with_hidden=False), course.course.limits)
     ).runs
     assert run.evidence.returns == here.returns
     assert run.evidence.samples

@@ -70,7 +70,9 @@ def judge_messages(task_id: str, publish: Publish, hz: float = 1.0, **personal: 
     public, hidden = task.scenarios, catalog.hidden[task_id]
     runs = [
         Run(
-            scenario, evidence_of(publish, scenario.seconds, hz, personal=personal), hidden=scenario in hidden
+            scenario,
+            evidence_of(publish, scenario.seconds, hz, personal=personal),
+            is_hidden=scenario in hidden,
         )
         for scenario in (*public, *hidden)
     ]

@@ -277,7 +277,7 @@ def test_timestamp_in_a_folder_not_written_by_nbgrader_is_rejected(tmp_path: Pat
     collection = collect(
         put(tmp_path / "in", {**files, "eve/week01/timestamp.txt": STAMP}), tmp_path / "out", PARIS
     )
-    assert ["timestamp.txt" in line for line in collection.refused] == [True]
+    assert ["timestamp.txt" in line for line in collection.rejected_lines] == [True]
     assert {one.received.time for one in find_submissions(tmp_path / "out")} == {None}
 
 
@@ -324,7 +324,7 @@ def test_newest_attempt_of_blackboard_counts(tmp_path: Path) -> None:
     by_student = {
         one.student: one.notebook and one.notebook.cells for one in find_submissions(tmp_path / "out")
     }
-    assert (by_student, collection.refused) == ({"ada_l": ("x = 8",), "bob": ("bob = 1",)}, [])
+    assert (by_student, collection.rejected_lines) == ({"ada_l": ("x = 8",), "bob": ("bob = 1",)}, [])
 
 
 def test_newest_version_of_teams_counts_and_working_files_do_not(tmp_path: Path) -> None:
@@ -410,7 +410,7 @@ def test_folder_named_after_a_person_gives_a_normalized_id(tmp_path: Path) -> No
     }
     (tmp_path / "in.zip").write_bytes(zipped(files))
     collection = collect(tmp_path / "in.zip", tmp_path / "out", PARIS)
-    assert (collection.students, collection.refused) == ({"adal", "boboneil2"}, [])
+    assert (collection.students, collection.rejected_lines) == ({"adal", "boboneil2"}, [])
     files[f"Bob-ONeil 2/{NAME}"] = files[f"boboneil2/{NAME}"] = notebook("x", exercise="week01_exercise")
     (tmp_path / "in.zip").write_bytes(zipped(files))
     with pytest.raises(CourseError, match=r"would both belong to boboneil2, so nothing is collected"):

@@ -72,7 +72,7 @@ def test_topic_may_be_silent_until_it_is_expected(evidence: MakeEvidence) -> Non
 def test_node_that_stops_publishing_fails_its_content_checks() -> None:
     assert judge_messages("week01.red_cube", lambda _: [red_cube()]).score == 15
     result = judge_messages("week01.red_cube", lambda at: [red_cube()] if at <= 7 else [])
-    hidden = [check for check in result.checks if check.hidden and check.weight]
+    hidden = [check for check in result.checks if check.is_hidden and check.weight]
     assert hidden
     assert result.score <= 11
     assert "a topic is not published all the time" in {check.mistake for check in result.checks}

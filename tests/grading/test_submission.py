@@ -119,8 +119,8 @@ def test_folder_determines_the_student(tmp_path: Path, write_notebook: WriteNote
     write_notebook(tmp_path / "cleo/week01_exercise (1).ipynb", "x = 1")
     write_notebook(tmp_path / "cleo/.ipynb_checkpoints/week01_exercise-checkpoint.ipynb", "x = 2")
     ada, cleo = find_submissions(tmp_path)
-    assert (ada.student, ada.claimed) == ("ada", "bob")
-    assert (cleo.student, cleo.exercise, cleo.claimed) == ("cleo", "week01_exercise", None)
+    assert (ada.student, ada.claimed_id) == ("ada", "bob")
+    assert (cleo.student, cleo.exercise, cleo.claimed_id) == ("cleo", "week01_exercise", None)
 
 
 def test_path_as_student_id_is_not_used_as_a_folder(tmp_path: Path, write_notebook: WriteNotebook) -> None:
@@ -202,13 +202,13 @@ def test_symlinks_are_rejected_submissions_of_their_students(
     (top / "bob/week01_exercise.ipynb").symlink_to(ada)
     (top / "cleo").symlink_to(ada.parent)
     (top / "ada/week01_exercise (1).ipynb").symlink_to(ada)
-    submissions = {one.student: one for one in find_submissions(top, with_refused=True)}
+    submissions = {one.student: one for one in find_submissions(top, with_rejected=True)}
     assert {name: (one.exercise, one.reason) for name, one in submissions.items()} == {
         "ada": ("week01_exercise", ""),
-        "bob": ("week01_exercise", "refused"),
-        "cleo": ("week01_exercise", "refused"),
+        "bob": ("week01_exercise", "not collected"),
+        "cleo": ("week01_exercise", "not collected"),
     }
-    assert submissions["ada"].refused == ("ada/week01_exercise (1).ipynb",)
+    assert submissions["ada"].rejected_files == ("ada/week01_exercise (1).ipynb",)
     assert submissions["cleo"].problem.startswith("it is a link, not a file. Copy the file")
 
 
@@ -310,7 +310,7 @@ def test_local_times_in_spreadsheet_format_are_accepted_in_received_csv(
 def test_folder_names_and_claimed_ids_are_normalized(tmp_path: Path, write_notebook: WriteNotebook) -> None:
     write_notebook(tmp_path / "Ada 1/week01_exercise.ipynb", "x = 1", student="ADA1")
     (submission,) = find_submissions(tmp_path)
-    assert (submission.student, submission.claimed, submission.notes) == ("ada1", "ada1", [])
+    assert (submission.student, submission.claimed_id, submission.notes) == ("ada1", "ada1", [])
 
 
 @pytest.mark.parametrize("damage", ["encrypted", "bytes"])

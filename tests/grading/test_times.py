@@ -253,7 +253,7 @@ def test_timestamp_in_a_student_zip_is_not_kept(tmp_path: Path, sort: Collect) -
     with zipfile.ZipFile(tmp_path / "in.zip", "w") as archive:
         archive.writestr("submitted/ada/week01/work.zip", inner)
     collection = sort()
-    assert len(collection.refused) == 2
+    assert len(collection.rejected_lines) == 2
     assert find_submissions(tmp_path / "out")[0].received.time is None
 
 

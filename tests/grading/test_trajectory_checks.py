@@ -34,7 +34,7 @@ def test_joints_in_any_order_pass(evidence: MakeEvidence) -> None:
         (
             sent(names=("elbow", "shoulder")),
             "the controller rejects it: Incoming joint shoulder doesn't match the controller's joints.",
-            "the controller refuses the trajectory",
+            "the controller rejects the trajectory",
         ),
         (
             sent(velocities=[]),

@@ -138,7 +138,7 @@ def test_cpu_time_is_measured_per_scenario() -> None:
 @pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="the system keeps no process on a processor")
 def test_submission_runs_on_one_cpu_and_grader_affinity_is_restored() -> None:
     allowed = os.sched_getaffinity(0)
-    steps = (Step(ANSWER, ANSWER.scenarios[0], hidden=False),)
+    steps = (Step(ANSWER, ANSWER.scenarios[0], is_hidden=False),)
     cells = ("import os\nanswer = len(os.sched_getaffinity(0))",)
     made = run_scenarios(Job(cells, None, steps, Limits()))
     assert made.runs[0].evidence.returns == (1,)

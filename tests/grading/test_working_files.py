@@ -51,7 +51,7 @@ def test_working_files_are_searched_only_in_the_notebook_folder(exercise: Path) 
 
 def test_notebooks_of_several_students_in_one_folder_share_no_files(exercise: Path) -> None:
     submissions = [
-        submissions for submissions in find_submissions(exercise.parent) if submissions.claimed == "ada"
+        submissions for submissions in find_submissions(exercise.parent) if submissions.claimed_id == "ada"
     ]
     assert submissions[0].files == {}
 

@@ -120,7 +120,7 @@ def collect_class(chance: random.Random, students: int = 5) -> int:
         source.write_bytes(zipped(files))
         try:
             collect(source, out, PARIS)
-            submissions = find_submissions(out, zone=PARIS, with_refused=True)
+            submissions = find_submissions(out, zone=PARIS, with_rejected=True)
         except CourseError:
             # The layout is ambiguous, or every file of the class was refused.
             return students

@@ -124,7 +124,7 @@ def right_runs(weeks: Sequence[str] = ()) -> list[Run]:
         path, tasks = solutions_dir() / f"{week}_solution.ipynb", catalog.tasks_of_week(week)
         if tasks:
             cells = parse_notebook(path.read_bytes(), path.name).cells
-            steps = plan_scenarios(tasks, catalog, hidden=True)
+            steps = plan_scenarios(tasks, catalog, with_hidden=True)
             job = Job(cells, "fuzz", steps, catalog.course.limits, working_files(path, cells))
             runs += run_scenarios(job).runs
     return runs

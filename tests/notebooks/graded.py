@@ -53,7 +53,7 @@ class Marked(NamedTuple):
 
 
 def marked(cells: Sequence[str], tasks: Sequence[Task], *, hidden: bool = True) -> Marked:
-    steps = plan_scenarios(tasks, catalog(), hidden=hidden)
+    steps = plan_scenarios(tasks, catalog(), with_hidden=hidden)
     evidence = run_scenarios(Job(tuple(cells), STUDENT, steps, catalog().course.limits))
     return Marked(evidence.runs, judge(evidence, tasks, catalog()))
 

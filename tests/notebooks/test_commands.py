@@ -162,7 +162,7 @@ def type_in(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], No
     """Type a command, in this process; a page that would be served is only made, a release not verified."""
     monkeypatch.setattr("webbrowser.open", lambda _: True)
     monkeypatch.setattr("course_lib.displays.render._serve", _serve_nothing)
-    monkeypatch.setattr("course_lib.authoring.verify.refuse_broken", lambda *_: None)  # takes minutes
+    monkeypatch.setattr("course_lib.authoring.verify.reject_broken", lambda *_: None)  # takes minutes
 
     def type_in(text: str) -> None:
         if text.startswith("course "):

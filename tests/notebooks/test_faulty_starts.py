@@ -55,7 +55,7 @@ def test_faulty_start_code_of_a_task_earns_at_most_a_tenth(task: Task, faulty: s
     scenarios += [(one, True) for one in catalog().hidden[task.id]]
     runs = [Run(one, evidence_here(task, one, names), hidden) for one, hidden in scenarios]
     result = judge_task(task, *catalog().points(task), runs)
-    earned = [(check.title, check.hidden, check.weight) for check in result.checks if check.passed]
+    earned = [(check.title, check.is_hidden, check.weight) for check in result.checks if check.passed]
     assert result.fraction <= MOST, earned
 
 

@@ -27,7 +27,7 @@ def has_inputs(task: Task) -> bool:
 
 def replays(runs: list[Run]) -> Iterator[list[Run]]:
     """Return the hidden runs as they were, if the code had repeated a public run's answers or messages."""
-    public, hidden = [run for run in runs if not run.hidden], [run for run in runs if run.hidden]
+    public, hidden = [run for run in runs if not run.is_hidden], [run for run in runs if run.is_hidden]
     public_answers = {
         question: answer
         for run in public
@@ -56,7 +56,7 @@ def test_hard_coded_public_output_earns_at_most_a_tenth(week: str) -> None:
             for replayed_runs in replays([run for run in runs if run.evidence.task == task.id]):
                 result = judge_task(task, *catalog().points(task), replayed_runs)
                 if result.fraction > MOST:
-                    earned[task.id] = [(c.title, c.hidden, c.weight) for c in result.checks if c.passed]
+                    earned[task.id] = [(c.title, c.is_hidden, c.weight) for c in result.checks if c.passed]
     assert earned == {}
 
 
@@ -74,5 +74,5 @@ def test_constant_return_value_earns_at_most_a_tenth(week: str, answer: Any) -> 
             ]
             result = judge_task(task, *catalog().points(task), constant_runs)
             if result.fraction > MOST:
-                earned[task.id] = [(c.title, c.hidden, c.weight) for c in result.checks if c.passed]
+                earned[task.id] = [(c.title, c.is_hidden, c.weight) for c in result.checks if c.passed]
     assert earned == {}

@@ -71,9 +71,9 @@ def test_camera_inset_shows_the_scene_over_its_image(renderer: Renderer) -> None
         pytest.skip("no Chromium or Chrome here")
     scene = red_box()
     scene.set_object("a", Inset(plain(BLUE), camera=AHEAD))
-    scene.set_object("b", Inset(plain(BLUE), camera=AHEAD, hidden=("box",)))
-    scene.set_object("c", Inset(plain(BLUE), camera=AHEAD, behind=False, hidden=("box",)))
-    scene.set_object("d", Inset(plain(BLUE), camera=AHEAD, over=1.0))
+    scene.set_object("b", Inset(plain(BLUE), camera=AHEAD, hidden_paths=("box",)))
+    scene.set_object("c", Inset(plain(BLUE), camera=AHEAD, is_behind=False, hidden_paths=("box",)))
+    scene.set_object("d", Inset(plain(BLUE), camera=AHEAD, overlay_alpha=1.0))
     assert at_middle(scene, renderer) == [RED, BLUE, scene.background, BLUE]
 
 
@@ -101,7 +101,7 @@ def test_image_covers_only_its_area_of_the_picture(renderer: Renderer) -> None:
     scene = Scene()
     away = Camera(eye=(4.0, 0.0, 0.0), target=(8.0, 0.0, 0.0))
     area = (0.5, -0.5, 1.0, 1.0)
-    scene.set_object("a", Inset(plain(BLUE), camera=away, over=0.5, area=area))
+    scene.set_object("a", Inset(plain(BLUE), camera=away, overlay_alpha=0.5, area=area))
     ((_, (left, top, width, height)),) = placed_insets(scene, SIZE)
     inside = pixels(scene, renderer)[top : top + height, left : left + width]
     corners = inside[[3, 3, -4, -4], [3, -4, 3, -4]].tolist()
@@ -117,6 +117,6 @@ def test_both_renderers_agree_on_insets() -> None:
     ramp = np.zeros((60, 80, 3), np.uint8)
     ramp[..., 1] = np.arange(80)
     scene.set_object("a", Inset(ramp))
-    scene.set_object("b", Inset(ramp, camera=AHEAD, over=0.5))
+    scene.set_object("b", Inset(ramp, camera=AHEAD, overlay_alpha=0.5))
     numpy_pixels, browser_pixels = pixels(scene), pixels(scene, "chromium")
     assert (np.abs(numpy_pixels - browser_pixels).max(axis=2) > 40).mean() < 0.002

@@ -198,7 +198,7 @@ def test_sheet_shows_its_rows_along_y_with_sharp_cells() -> None:
 
 @pytest.mark.parametrize(("behind", "seen"), [(False, [255, 0, 0]), (True, [0, 0, 255])])
 def test_sheet_behind_all_objects_hides_none_of_them(behind: bool, seen: list[int]) -> None:
-    scene = from_above(box((0, 0, 1, 1)), Sheet([[0]], PALETTE, 2.0, behind=behind))
+    scene = from_above(box((0, 0, 1, 1)), Sheet([[0]], PALETTE, 2.0, is_behind=behind))
     scene.set_transform("1", [[1, 0, 0, -1], [0, 1, 0, -1], [0, 0, 1, 3], [0, 0, 0, 1]])
     assert middle(scene) == seen
 

@@ -752,7 +752,7 @@ class TimePanel:
         # Wall-clock time of the last message [s].
         self._posted = 0.0
         self._posted_state: TimeState | None = None
-        link.listen("time", self._act)
+        link.listen("time", self._execute)
         session.after_frame.append(self.refresh)
 
     def close(self) -> None:
@@ -766,7 +766,7 @@ class TimePanel:
         if is_due and self._source.time() != self._posted_state:
             self._post()
 
-    def _act(self, content: dict[str, Any]) -> None:
+    def _execute(self, content: dict[str, Any]) -> None:
         note = ""
         try:
             self._source.act(from_json(TimeChange, content))

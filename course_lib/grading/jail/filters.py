@@ -91,7 +91,7 @@ SET_SECCOMP, MODE_FILTER = 22, 2
 MACHINES = {"x86_64": (0, 0xC000003E), "aarch64": (1, 0xC00000B7)}
 NEWER = 450  # system calls from this number on are treated as unknown
 X32 = 0x40000000  # x32 variants of the same calls
-REFUSED = {
+REJECTED = {
     "execve": (59, 221), "execveat": (322, 281),
     "kill": (62, 129), "tkill": (200, 130), "tgkill": (234, 131), "pidfd_send_signal": (424, 424),
     "rt_sigqueueinfo": (129, 138), "rt_tgsigqueueinfo": (297, 240),
@@ -235,13 +235,16 @@ def filter_program(column: int, machine: int) -> bytes:
         # Without clone3, threads are started by clone, whose flags a filter can read.
         *_if(IF_EQUAL, CLONE3[column], ERROR | errno.ENOSYS),
     ]  # fmt: skip
-    for table, error in ((REFUSED, errno.EPERM), (NETWORK, errno.ENETDOWN), (PRETENDED, 0)):
+    for table, error in ((REJECTED, errno.EPERM), (NETWORK, errno.ENETDOWN), (PRETENDED, 0)):
         for number in numbers(table):
             steps += _if(IF_EQUAL, number, ERROR | error)
     for call, argument, test, values in BY_ARGUMENT:
-        refusals = [step for value in values for step in _if(test, value, ERROR | errno.EPERM)]
-        steps += [_step(IF_EQUAL, call[column], 0, len(refusals) + 2), _step(LOAD, ARGUMENTS + 8 * argument)]
-        steps += [*refusals, _step(RETURN, ALLOW)]
+        rejections = [step for value in values for step in _if(test, value, ERROR | errno.EPERM)]
+        steps += [
+            _step(IF_EQUAL, call[column], 0, len(rejections) + 2),
+            _step(LOAD, ARGUMENTS + 8 * argument),
+        ]
+        steps += [*rejections, _step(RETURN, ALLOW)]
     steps += [
         _step(IF_EQUAL, MAP[column], 0, 6), _step(LOAD, ARGUMENTS + 8 * MAP_FLAGS),
         *_if(IF_ANY_BIT, MAP_PRIVATE, ALLOW), *_if(IF_ANY_BIT, MAP_ANONYMOUS, ERROR | errno.EPERM),

@@ -121,7 +121,7 @@ def _locate(name: str) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class ReadablePaths:
-    """Files and folders that a submission may read. None of them contains a refused path.
+    """Files and folders that a submission may read. None of them contains a forbidden path.
 
     Args:
         paths: Real paths of files, and of folders with everything in them.
@@ -137,22 +137,22 @@ class ReadablePaths:
 
 
 @cache
-def readable(refused: tuple[str, ...] = ()) -> ReadablePaths:
+def readable(forbidden_paths: tuple[str, ...] = ()) -> ReadablePaths:
     """Return the files that submissions may read on this machine.
 
     Args:
-        refused: Paths of the course that must stay hidden, even inside needed folders.
+        forbidden_paths: Paths of the course that must stay hidden, even inside needed folders.
 
     Raises:
-        CourseError: A needed path is itself refused.
+        CourseError: A needed path is itself forbidden.
     """
     folders, needed_paths = _needed_files()
-    return select_readable(needed_paths, folders, refused)
+    return select_readable(needed_paths, folders, forbidden_paths)
 
 
 @cache
 def _needed_files() -> tuple[list[str], list[str]]:
-    """Return the module search path, and all needed files and folders, including refused ones."""
+    """Return the module search path, and all needed files and folders, including forbidden ones."""
     files = [path for pattern in SYSTEM for path in glob.iglob(pattern)]
     # Only Linux has this file.
     with suppress(OSError):
@@ -170,21 +170,22 @@ def _needed_files() -> tuple[list[str], list[str]]:
 
 
 def select_readable(
-    needed_paths: Iterable[str], folders: Collection[str], refused: Collection[str]
+    needed_paths: Iterable[str], folders: Collection[str], forbidden_paths: Collection[str]
 ) -> ReadablePaths:
     """Return the readable subset of the needed files and folders.
 
     Args:
-        needed_paths: Files and folders that are needed completely, except for refused paths.
+        needed_paths: Files and folders that are needed completely, except for forbidden paths.
         folders: The module search path. Of folders with packages, only needed packages are
             readable.
-        refused: Paths of the course.
+        forbidden_paths: Paths of the course.
 
     Raises:
-        CourseError: A needed path is itself refused.
+        CourseError: A needed path is itself forbidden.
     """
     existing = [path for path in dict.fromkeys(needed_paths) if os.path.exists(path)]
-    course = [path for path in map(os.path.realpath, refused) if not _contains(HANDED_OUT, path)]
+    real_paths = map(os.path.realpath, forbidden_paths)
+    course = [path for path in real_paths if not _contains(HANDED_OUT, path)]
     shared = _package_folders(folders)
     handed_out = [HANDED_OUT] * os.path.exists(HANDED_OUT)
     paths, conflict = set[str](), ""
@@ -231,16 +232,16 @@ def _contains(folder: str, path: str) -> bool:
     return path == folder or path.startswith(folder.rstrip("/") + "/")
 
 
-def _exclude(path: str, refused: Collection[str]) -> list[str]:
-    """Return the path or, if it contains refused paths, the remaining entries around them."""
-    if path in refused:
+def _exclude(path: str, forbidden_paths: Collection[str]) -> list[str]:
+    """Return the path or, if it contains forbidden paths, the remaining entries around them."""
+    if path in forbidden_paths:
         return []
-    if not any(_contains(path, other) for other in refused):
+    if not any(_contains(path, other) for other in forbidden_paths):
         return [path]
     return [
         remaining_path
         for name in os.listdir(path)
-        for remaining_path in _exclude(os.path.join(path, name), refused)
+        for remaining_path in _exclude(os.path.join(path, name), forbidden_paths)
     ]
 
 
@@ -414,18 +415,18 @@ class TemplateProcess:
 
     Args:
         off: Layers to disable, for tests of the remaining ones.
-        refused: Paths of the course that submissions must not be able to read.
+        forbidden_paths: Paths of the course that submissions must not be able to read.
 
     Raises:
         WorkerError: The template does not start.
         KilledStartError: It was killed during its start.
-        CourseError: A refused path can't be hidden from submissions on this machine.
+        CourseError: A forbidden path can't be hidden from submissions on this machine.
     """
 
-    def __init__(self, off: Collection[str] = (), refused: tuple[str, ...] = ()) -> None:
+    def __init__(self, off: Collection[str] = (), forbidden_paths: tuple[str, ...] = ()) -> None:
         if not hasattr(os, "fork"):
             raise WorkerError("grading needs Linux, macOS or WSL2, because this system can't fork processes")
-        files = readable(refused)
+        files = readable(forbidden_paths)
         can_change_user = os.geteuid() == 0 and "process limit" not in off
         users = ["another", "real", "same"] if can_change_user else ["same"]
         output = ""
@@ -538,15 +539,15 @@ def processors() -> list[int]:
 _shared: dict[ReadablePaths, TemplateProcess] = {}
 
 
-def shared_template(refused: tuple[str, ...] = ()) -> TemplateProcess:
+def shared_template(forbidden_paths: tuple[str, ...] = ()) -> TemplateProcess:
     """Return this process's template that hides these paths; it is started on first use.
 
     Courses that lie outside everything that Python needs share a template, because their
     submissions may read the same files.
     """
-    files = readable(refused)
+    files = readable(forbidden_paths)
     if files not in _shared:
-        _shared[files] = TemplateProcess(refused=refused)
+        _shared[files] = TemplateProcess(forbidden_paths=forbidden_paths)
         atexit.register(_shared[files].close)
     return _shared[files]
 

@@ -96,7 +96,7 @@ def collect_clones(clones: Path, out: Path, roster: Path, pushes: Path | None) -
         lines, receipts = _stage_all(folders, Path(work), members, times)
         if receipts:
             zone = shipped_course_file().zone
-            lines += collect(Path(work), out, zone, exercise=ANY, layout=FOLDERS).refused
+            lines += collect(Path(work), out, zone, exercise=ANY, layout=FOLDERS).rejected_lines
             write_receipts(out, receipts)
     if missing_times := sum(not receipt.time for receipt in receipts.values()):
         lines.append(
@@ -121,9 +121,9 @@ def _stage_all(
         fits = [m for m in members if m.login and f"-{folded_name}".endswith(f"-{m.login}")]
         student = max(fits, key=lambda member: len(member.login)).id if fits else ""
         if not student:
-            lines.append(f"refused: {clone.name}: its name does not end with a login from the class list")
+            lines.append(f"rejected: {clone.name}: its name does not end with a login from the class list")
         elif student in receipts:
-            lines.append(f"refused: {clone.name}: {student} has two clones")
+            lines.append(f"rejected: {clone.name}: {student} has two clones")
         elif not _copy_exercises(clone, place / student):
             lines.append(f"{student}: no exercise in {_exercise_folder(clone)} differs from the released one")
         else:

@@ -231,13 +231,13 @@ def _collect(submission: Path, upload: Upload, work: Path, course: Course) -> se
     except shutil.Error as error:
         # All other files have been copied.
         for name, _, why in error.args[0]:
-            say(f"refused: {name}: {why}")
+            say(f"rejected: {name}: {why}")
     try:
         collection = collect(work / "class", top, zone, exercise=ANY, layout=FOLDERS)
     except CourseError:
         # The submission is empty.
         return set()
-    for line in collection.refused:
+    for line in collection.rejected_lines:
         say(line)
     if not collection.count:
         return set()
@@ -342,14 +342,14 @@ def _tests(task: TaskResult, hidden: str) -> Iterator[dict[str, Any]]:
     if not total_weight:
         yield {"name": f"{task.title}: a person marks it", "output": "", "visibility": "visible"}
         return
-    bonus = " (bonus)" if task.bonus else ""
+    bonus = " (bonus)" if task.is_bonus else ""
     remaining_score, most_left = task.score, task.points
-    public = [check for check in task.checks if not check.hidden]
+    public = [check for check in task.checks if not check.is_hidden]
     # An error of a hidden scenario would reveal after the upload that hidden checks fail.
     errors = {
         is_hidden: [e for e in task.errors if (e == HIDDEN_ERROR) is is_hidden] for is_hidden in (False, True)
     }
-    parts = (("", public, "visible"), (", hidden checks", [c for c in task.checks if c.hidden], hidden))
+    parts = (("", public, "visible"), (", hidden checks", [c for c in task.checks if c.is_hidden], hidden))
     for suffix, checks, visibility in (part for part in parts if part[1]):
         is_last = len(checks) == len(task.checks) or checks is not public
         share = sum(check.weight * check.score for check in checks) / total_weight

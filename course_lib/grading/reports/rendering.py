@@ -106,12 +106,12 @@ def scored_rows(
         icon, word = ("✓", "passed") if check.passed else ("✗", "failed")
         if 0 < check.score < 1:
             word = f"{check.score:.0%}"
-        hidden_count += check.hidden
-        is_masked = check.hidden and not show_hidden
+        hidden_count += check.is_hidden
+        is_masked = check.is_hidden and not show_hidden
         texts = (f"hidden check {hidden_count}", check.mistake) if is_masked else (check.title, check.message)
         title, why = texts
-        title = f"{title} (hidden)" if check.hidden and show_hidden else title
-        shares = not check.passed and not check.hidden and why
+        title = f"{title} (hidden)" if check.is_hidden and show_hidden else title
+        shares = not check.passed and not check.is_hidden and why
         key = (word, why) if shares else (title, str(len(rows_by_key)))
         title = _join_titles(rows_by_key[key][1].title, title) if key in rows_by_key else title
         rows_by_key[key] = (check.score, CheckRow(icon, word, title, why))

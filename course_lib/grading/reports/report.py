@@ -166,7 +166,7 @@ def _sections(
     tasks = catalog.tasks_of_week(result.submission.exercise.split("_")[0])
     try:
         packed_evidence = store.evidence_path(out, result.submission.key).read_bytes()
-        runs = unpack(packed_evidence, plan_scenarios(tasks, catalog, hidden=True)).runs
+        runs = unpack(packed_evidence, plan_scenarios(tasks, catalog, with_hidden=True)).runs
     except (OSError, CourseError):
         # Without evidence, the page has no scenes.
         runs = ()
@@ -179,8 +179,8 @@ def _section(
     result: TaskResult, runs: Iterable[Run], catalog: Catalog, room: int, *, is_final: bool
 ) -> dict[str, Any]:
     """Return the template values of a task's section; each scene has at most `room` characters."""
-    runs_of_task = [run for run in runs if run.evidence.task == result.task and not run.hidden]
-    bonus = ", on top" if result.bonus else ""
+    runs_of_task = [run for run in runs if run.evidence.task == result.task and not run.is_hidden]
+    bonus = ", on top" if result.is_bonus else ""
     # The text that a grader marks, and the grader's comments.
     end = list(result.comments)
     if result.rubric:
@@ -193,7 +193,7 @@ def _section(
         "headline": f"{result.score:g} of {result.points:g} points{bonus}",
         "errors": result.errors,
         "rows": _sorted_rows(result, is_final=is_final),
-        "has_hidden": not is_final and any(check.hidden for check in result.checks),
+        "has_hidden": not is_final and any(check.is_hidden for check in result.checks),
         "end": end,
         "figures": figures(catalog.task(result.task), runs_of_task, room) if runs_of_task else [],
     }

@@ -52,7 +52,7 @@ def figures(task: Task, runs: Iterable[Run], room: int) -> list[Figure]:
         runs: The runs of the whole exercise.
         room: Maximum number of characters per scene.
     """
-    run = next((run for run in runs if run.evidence.task == task.id and not run.hidden), None)
+    run = next((run for run in runs if run.evidence.task == task.id and not run.is_hidden), None)
     if run is None or not (run.evidence.samples or task.ghost):
         return []
     inputs, evidence = run.scenario.inputs, run.evidence

@@ -102,7 +102,7 @@ class Item:
         task: The task's id.
         title: The check's title; "" for the whole task.
         scenario: The check's scenario; "" for the whole task.
-        hidden: Whether the check is hidden from students.
+        is_hidden: Whether the check is hidden from students.
         count: Number of submissions.
         rate: Fraction of submissions with the full score.
         mean: Mean score, from 0 to 1.
@@ -113,7 +113,7 @@ class Item:
     task: str
     title: str
     scenario: str
-    hidden: bool
+    is_hidden: bool
     count: int
     rate: float
     mean: float
@@ -189,11 +189,13 @@ class Analysis:
 
 def _task_rows(result: MarkedResult) -> Iterator[tuple[Any, ...]]:
     for task in result.tasks:
-        sides = [[check for check in task.checks if check.hidden is is_hidden] for is_hidden in (False, True)]
+        sides = [
+            [check for check in task.checks if check.is_hidden is is_hidden] for is_hidden in (False, True)
+        ]
         numbers = [n for side in sides for n in (sum(check.passed for check in side), len(side))]
         by = "" if task.needs_hand_mark else "checks" if task.manual is None else "person"
         names = (result.student, result.exercise, task.task)
-        yield (*names, task.score, task.points, int(task.bonus), by, *numbers)
+        yield (*names, task.score, task.points, int(task.is_bonus), by, *numbers)
 
 
 def analyse(exercise: str, results: Sequence[MarkedResult], out: Path) -> Analysis:
@@ -228,7 +230,7 @@ def _items(task_results: Iterable[Sequence[TaskResult]], *, of_checks: bool) -> 
                 scores[key].append(task.fraction)
                 rests[key].append(total - task.points * task.fraction)
             for check in task.checks if weights and of_checks else ():
-                key = (task.task, check.title, check.scenario, check.hidden)
+                key = (task.task, check.title, check.scenario, check.is_hidden)
                 scores[key].append(check.score)
                 rests[key].append(total - task.points * check.weight * check.score / weights)
     for key, task_scores in scores.items():
@@ -385,7 +387,7 @@ def _failures(results: Iterable[MarkedResult]) -> list[dict[str, Any]]:
     for result in results:
         for task in result.result.tasks:
             for check in task.checks:
-                key = task.task, check.title, check.scenario, check.hidden
+                key = task.task, check.title, check.scenario, check.is_hidden
                 judged_counts[key] += 1
                 failed[key] += not check.passed
     shares = sorted(judged_counts, key=lambda key: (-failed[key] / judged_counts[key], key))

@@ -42,12 +42,12 @@ class Step:
 
     task: Task
     scenario: Scenario
-    hidden: bool = False
+    is_hidden: bool = False
 
     def without_checks(self) -> "Step":
         """Return the step without checks and expected messages, which only the judge needs."""
         task = replace(self.task, scenarios=(), ghost=())
-        return Step(task, replace(self.scenario, checks=()), self.hidden)
+        return Step(task, replace(self.scenario, checks=()), self.is_hidden)
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Job:
         limits: Its resource limits.
         files: Contents of the submitted files, and of the course's assets, by path.
         need: The weakest isolation that is accepted for running it.
-        refused: Paths of the course that it must not be able to read on the machine where it runs.
+        forbidden_paths: Paths of the course that it must not be able to read.
     """
 
     cells: tuple[str, ...]
@@ -70,7 +70,7 @@ class Job:
     limits: Limits
     files: Mapping[str, str | bytes] = field(default_factory=dict)
     need: Need = "any"
-    refused: tuple[str, ...] = ()
+    forbidden_paths: tuple[str, ...] = ()
 
     @property
     def personal(self) -> dict[str, dict[str, Any]]:
@@ -90,12 +90,12 @@ class Job:
         return hashlib.sha256(msgpack.packb(content, default=_job_fields)).hexdigest()[:32]
 
 
-def plan_scenarios(tasks: Sequence[Task], catalog: Catalog, *, hidden: bool) -> tuple[Step, ...]:
+def plan_scenarios(tasks: Sequence[Task], catalog: Catalog, *, with_hidden: bool) -> tuple[Step, ...]:
     """Return all scenarios of all tasks, public ones first."""
     public = [(task, task.scenarios or ANSWER * (task.kind == "written")) for task in tasks]
     steps = [Step(task, scenario) for task, scenarios in public for scenario in scenarios]
-    if hidden:
-        steps += [Step(task, s, hidden=True) for task in tasks for s in catalog.hidden.get(task.id, ())]
+    if with_hidden:
+        steps += [Step(task, s, is_hidden=True) for task in tasks for s in catalog.hidden.get(task.id, ())]
     return tuple(steps)
 
 
@@ -135,7 +135,7 @@ class StoredRun:
     usage: Usage
 
 
-def prepare(need: Need, refused: tuple[str, ...]) -> list[str]:
+def prepare(need: Need, forbidden_paths: tuple[str, ...]) -> list[str]:
     """Start this process's template and check its isolation.
 
     Returns:
@@ -148,7 +148,7 @@ def prepare(need: Need, refused: tuple[str, ...]) -> list[str]:
     killed = list[str]()
     while len(killed) < TRIES:
         try:
-            shared_template(refused).isolation.require(need)
+            shared_template(forbidden_paths).isolation.require(need)
             return [f"Tried again: {why}" for why in killed]
         except KilledStartError as error:
             killed.append(str(error))
@@ -166,9 +166,9 @@ def run(job: Job) -> StoredRun:
     with _template_lock:
         for _ in range(TRIES):
             try:
-                shared_template(job.refused).isolation.require(job.need)
+                shared_template(job.forbidden_paths).isolation.require(job.need)
                 # A template that was killed is closed: its evidence is meaningless.
-                template = shared_template(job.refused)
+                template = shared_template(job.forbidden_paths)
                 try:
                     result = run_scenarios(job)
                     if not template.is_sound:
@@ -185,10 +185,10 @@ def run(job: Job) -> StoredRun:
 
 def run_scenarios(job: Job) -> ExerciseRun:
     """Run all scenarios of a job."""
-    template = shared_template(job.refused)
+    template = shared_template(job.forbidden_paths)
     submission = SubmissionRun(job.cells, job.personal, job.limits, template, job.files)
     with _pin_processor(), closing(submission):
-        runs = [Run(s.scenario, submission.run(s.task, s.scenario), s.hidden) for s in job.steps]
+        runs = [Run(s.scenario, submission.run(s.task, s.scenario), s.is_hidden) for s in job.steps]
     return ExerciseRun(tuple(runs), submission.log, submission.isolation, submission.usage)
 
 
@@ -255,7 +255,7 @@ def unpack(data: bytes, steps: Sequence[Step]) -> ExerciseRun:
         if content["version"] != VERSION:
             raise ValueError(f"it is of version {content['version']}, expected {VERSION}")
         evidence_by_scenario = {(row["task"], row["scenario"]): _evidence(row) for row in content["evidence"]}
-        runs = [Run(s.scenario, evidence_by_scenario[s.task.id, s.scenario.name], s.hidden) for s in steps]
+        runs = [Run(s.scenario, evidence_by_scenario[s.task.id, s.scenario.name], s.is_hidden) for s in steps]
         log, isolation = CellLog(**content["log"]), Isolation(tuple(content["isolation"]))
     except Exception as error:
         # A damaged file can cause any exception.

@@ -182,7 +182,7 @@ class Output:
     """
 
     def __init__(self, pipe: int, limit: int) -> None:
-        self._pipe, self._limit = pipe, limit
+        self._pipe, self._max_bytes = pipe, limit
         self._kept, self._is_truncated, self._is_closed = bytearray(), False, False
         self._lock = threading.Lock()
         os.set_blocking(pipe, False)
@@ -194,7 +194,7 @@ class Output:
         with self._lock:
             self._read()
             text = bytes(self._kept).decode("utf-8", "replace")
-            text += f"\n… cut after {self._limit} bytes" if self._is_truncated else ""
+            text += f"\n… cut after {self._max_bytes} bytes" if self._is_truncated else ""
             self._kept, self._is_truncated = bytearray(), False
         return text
 
@@ -216,7 +216,7 @@ class Output:
             chunk = os.read(self._pipe, PIPE_HOLDS)
         except BlockingIOError:
             return None
-        room = max(self._limit - len(self._kept), 0)
+        room = max(self._max_bytes - len(self._kept), 0)
         self._kept += chunk[:room]
         self._is_truncated = self._is_truncated or len(chunk) > room
         return len(chunk)

@@ -41,7 +41,7 @@ MOODLE_MARK = "_assignsubmission_"  # in the names that Moodle writes
 MAC_NAMES = (".DS_Store", ".localized")  # files that macOS adds to every folder
 HIDDEN = "a name in its path begins with a dot, and the student submitted no visible file. Rename it"
 
-Refuse = Callable[[str, str], None]  # called with a file's name and the reason
+Reject = Callable[[str, str], None]  # called with a file's name and the reason
 Owner = Callable[[tuple[str, ...]], str]  # maps a path to the owner, whose archives share a limit
 Wanted = Callable[[tuple[str, ...]], bool]
 WORKING_SUFFIXES = (".rviz", ".yaml", ".yml", ".xml", ".urdf", ".py")
@@ -126,12 +126,12 @@ class ReceivedFileReader:
     """A reader of one folder or zip file.
 
     Args:
-        refuse: Called for each file that is skipped.
+        reject: Called for each file that is skipped.
         owner: Returns the owner of a path; the limits on decompressed data apply per owner.
         is_wanted: Whether a file outside of nested archives is read.
     """
 
-    refuse: Refuse
+    reject: Reject
     owner: Owner = lambda parts: parts[0]
     is_wanted: Wanted = lambda parts: True
     _files: Counter[str] = field(default_factory=Counter)
@@ -158,7 +158,7 @@ class ReceivedFileReader:
                     yield from self._open(arrival, 1)
         for owner, name in self._hidden.items():
             if owner not in self._visible_owners:
-                self.refuse(name, HIDDEN)
+                self.reject(name, HIDDEN)
 
     def _is_skipped(self, parts: tuple[str, ...], start: int = 0) -> bool:
         """Return whether a component from `start` on is junk; record the owner of the file."""
@@ -181,13 +181,13 @@ class ReceivedFileReader:
                     continue
                 try:
                     if problem := path_problem(parts) or _type_problem(path.lstat().st_mode):
-                        self.refuse("/".join(parts), problem)
+                        self.reject("/".join(parts), problem)
                         continue
                     with open(os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK), "rb") as file:
-                        data = file.read(_limit(parts) + 1)
+                        data = file.read(_max_bytes(parts) + 1)
                         time = datetime.fromtimestamp(os.fstat(file.fileno()).st_mtime, UTC)
                 except OSError as error:
-                    self.refuse("/".join(parts), f"can't be read: {error.strerror}")
+                    self.reject("/".join(parts), f"can't be read: {error.strerror}")
                 else:
                     if (content := self._limit_content(parts, data)) is not None:
                         yield ReceivedFile(parts, content, time)
@@ -215,7 +215,7 @@ class ReceivedFileReader:
                     for inner in self._members(archive, arrival.components):
                         yield from self._open(inner, depth + 1)
         except CourseError as error:
-            self.refuse("/".join(arrival.components), str(error))
+            self.reject("/".join(arrival.components), str(error))
 
     def _members(self, archive: zipfile.ZipFile, above: tuple[str, ...]) -> Iterator[ReceivedFile]:
         names = Counter[str]()
@@ -235,7 +235,7 @@ class ReceivedFileReader:
                 continue
             duplicate = "the archive contains this name twice" if names[name] == 2 else ""
             if problem := duplicate or path_problem(inner) or _type_problem(info.external_attr >> 16):
-                self.refuse("/".join(parts), problem)
+                self.reject("/".join(parts), problem)
                 continue
             owner = self.owner(parts)
             if owner in self._exhausted_owners:
@@ -243,7 +243,7 @@ class ReceivedFileReader:
             try:
                 data = self._unpack(archive, info, owner, counted=bool(above))
             except CourseError as error:
-                self.refuse("/".join(parts), str(error))
+                self.reject("/".join(parts), str(error))
                 continue
             if (content := self._limit_content(parts, data)) is not None:
                 yield ReceivedFile(parts, content, _time(info))
@@ -264,7 +264,7 @@ class ReceivedFileReader:
             CourseError: It can't be decompressed, or the owner's limit is exceeded; then the
                 owner's other files are skipped.
         """
-        max_bytes = _limit(tuple(info.filename.split("/")))
+        max_bytes = _max_bytes(tuple(info.filename.split("/")))
         remaining_bytes = MAX_UNPACKED_BYTES - self._bytes[owner] if counted else max_bytes + 1
         data = read_member(archive, info, min(max_bytes, remaining_bytes))
         self._files[owner] += counted
@@ -282,7 +282,7 @@ class ReceivedFileReader:
         """Return a file's content, of a large notebook without outputs; None if it is too large."""
         if len(data) <= MAX_BYTES:
             return data
-        content = without_outputs(data) if len(data) <= _limit(parts) else data
+        content = without_outputs(data) if len(data) <= _max_bytes(parts) else data
         if len(content) <= MAX_BYTES:
             return content
         advice = ""
@@ -290,7 +290,7 @@ class ReceivedFileReader:
             advice = " without its outputs. Remove everything that is not part of the exercise"
             if len(data) > MAX_WITH_OUTPUTS:
                 advice = f", and more than {MAX_WITH_OUTPUTS} with its outputs. Clear them and save it"
-        self.refuse("/".join(parts), f"it has more than {MAX_BYTES:,} bytes{advice}")
+        self.reject("/".join(parts), f"it has more than {MAX_BYTES:,} bytes{advice}")
         return None
 
 
@@ -320,7 +320,7 @@ def empty_folders(top: Path) -> list[str]:
     return [name for name in empty if not _is_junk(name)]
 
 
-def _limit(parts: tuple[str, ...]) -> int:
+def _max_bytes(parts: tuple[str, ...]) -> int:
     """Return the maximum number of bytes to read; for a notebook it includes outputs."""
     return MAX_WITH_OUTPUTS if is_notebook_name(parts[-1]) else MAX_BYTES
 

@@ -41,7 +41,7 @@ class DownloadedFile:
         download_name: Its owner and the data in its name.
         kind: A notebook (also in a zip of `course submit`), or a file that a notebook may refer to.
         exercise: The exercise of a notebook, or "".
-        claimed: The ID in the file.
+        claimed_id: The ID in the file.
         is_touched: False if it is the unchanged exercise.
         problem: The reason why a notebook is not an exercise, or "".
     """
@@ -50,7 +50,7 @@ class DownloadedFile:
     download_name: readers.DownloadName
     kind: Kind = "working"
     exercise: str = ""
-    claimed: str | None = None
+    claimed_id: str | None = None
     is_touched: bool = True
     problem: str = ""
 
@@ -65,7 +65,7 @@ class DownloadedFile:
         return self.download_name.key
 
 
-class RefusedFile(NamedTuple):
+class RejectedFile(NamedTuple):
     """A file of a download that was rejected before the choice."""
 
     download_name: readers.DownloadName
@@ -111,7 +111,7 @@ def inspect_file(arrival: ReceivedFile, download_name: readers.DownloadName) -> 
                 problem=str(error),
             )
         item = _notebook(arrival, download_name, data, str(receipt.get("exercise", "")))
-        return replace(item, claimed=item.claimed or claimed_id(receipt))
+        return replace(item, claimed_id=item.claimed_id or claimed_id(receipt))
     if is_notebook_name(name):
         plain = re.sub(r"^\d{8}_?\d{6}_", "", name)
         item = _notebook(arrival, download_name, arrival.data, plain)
@@ -145,7 +145,7 @@ def _notebook(
 
 def choose(
     items: Sequence[DownloadedFile],
-    refused: Iterable[RefusedFile],
+    rejected_files: Iterable[RejectedFile],
     layout: readers.Layout,
     exercise: str,
 ) -> Choice:
@@ -153,7 +153,7 @@ def choose(
 
     Args:
         items: All files of the download.
-        refused: Unreadable and unsafe files.
+        rejected_files: Unreadable and unsafe files.
         layout: The layout of the download.
         exercise: The exercise, "" to determine it, or ANY.
 
@@ -168,8 +168,8 @@ def choose(
     by_owner = defaultdict[str, list[DownloadedFile]](list)
     for item in items:
         by_owner[item.owner].append(item)
-    problems = defaultdict[str, list[RefusedFile]](list)
-    for file in refused:
+    problems = defaultdict[str, list[RejectedFile]](list)
+    for file in rejected_files:
         problems[file.download_name.key].append(file)
     for owner in sorted({*by_owner, *problems}):
         _choose_for_owner(by_owner[owner], problems[owner], exercise, choice)
@@ -178,7 +178,7 @@ def choose(
 
 def _choose_for_owner(
     items: Sequence[DownloadedFile],
-    refused: Sequence[RefusedFile],
+    rejected_files: Sequence[RejectedFile],
     exercise: str,
     choice: Choice,
 ) -> None:
@@ -200,17 +200,18 @@ def _choose_for_owner(
     kept_items = [item for item in kept_items if item not in untouched]
     choice.kept += [*kept_items, *(item for item in items if item.kind == "working")]
     choice.lines += _lines([*set_aside, *untouched], exercise)
-    expected_exercises |= {_expected_exercise(file.download_name, exercise) for file in refused}
+    names = [file.download_name for file in rejected_files]
+    expected_exercises |= {_expected_exercise(name, exercise) for name in names}
     missing = sorted(expected_exercises - {item.exercise for item in kept_items} - {ANY, ""})
     for name in missing if not kept_items else ():
-        reasons = [f"{file.name}: {file.reason}" for file in refused]
+        reasons = [f"{file.name}: {file.reason}" for file in rejected_files]
         reasons += [f"{item.download_name.below[-1]}: {_exclusion_reason(item, name)}" for item in set_aside]
         reasons += [
             f"{item.download_name.below[-1]}: a file without a notebook"
             for item in items
             if item.kind == "working"
         ]
-        download_name = items[0].download_name if items else refused[0].download_name
+        download_name = items[0].download_name if items else rejected_files[0].download_name
         more = (
             f"; and {format_count(len(reasons) - MOST_NAMED, 'other')}" if len(reasons) > MOST_NAMED else ""
         )
@@ -323,7 +324,7 @@ def exercise_option(text: str) -> str:
 
 def _may_have_several_owners(group: Sequence[DownloadedFile]) -> bool:
     """Return whether the paths suggest that files in a folder belong to several students."""
-    ids = {item.claimed for item in group}
+    ids = {item.claimed_id for item in group}
     if len(ids) == 1 and None not in ids:
         return False
     folders = {item.download_name.below[:-1] for item in group}
@@ -350,7 +351,7 @@ def _reject_shared_owners(notebooks: Sequence[DownloadedFile], layout: readers.L
     # A single student may have copies in several folders, but hardly every student of a class.
     is_each = bool(groups) and all(map(_may_have_several_owners, groups.values()))
     for (owner, exercise), group in groups.items():
-        ids = sorted({item.claimed for item in group if item.claimed})
+        ids = sorted({item.claimed_id for item in group if item.claimed_id})
         files = format_count(len(group), "file")
         if len(ids) > 1:
             problem = f"{owner} holds {files} of {exercise} with different student IDs ({', '.join(ids[:3])})"

@@ -30,14 +30,22 @@ from course_lib.grading.submissions.archives import (
 from course_lib.grading.submissions.choice import (
     Choice,
     DownloadedFile,
-    RefusedFile,
+    RejectedFile,
     choose,
     exercise_option,
     inspect_file,
 )
 from course_lib.grading.submissions.notebook import find_exercise_name, is_notebook_name
 from course_lib.grading.submissions.roster import Times, has_key, read_ids, read_times
-from course_lib.grading.submissions.submission import COLUMNS, ID_FROM, LIST, PLATFORM, ROSTER, UNFINISHED
+from course_lib.grading.submissions.submission import (
+    COLUMNS,
+    ID_FROM,
+    LIST,
+    OLD_REJECTED,
+    PLATFORM,
+    ROSTER,
+    UNFINISHED,
+)
 
 BAD_PATHS = (errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.ENAMETOOLONG, errno.EINVAL, errno.EILSEQ)
 LATE_TEXTS = {True: "yes", False: "no", None: ""}
@@ -58,7 +66,7 @@ class Collection:
         set_aside: A line for each file that does not count for this exercise.
         rows: Rows of received.csv, by file.
         late: Number of files that the platform marks as late.
-        rejected: Students none of whose files was kept.
+        rejected_students: Students none of whose files was kept.
     """
 
     count: int = 0
@@ -68,14 +76,14 @@ class Collection:
     set_aside: list[str] = field(default_factory=list)
     rows: dict[str, dict[str, str]] = field(default_factory=dict)
     late: int = 0
-    rejected: set[str] = field(default_factory=set)
+    rejected_students: set[str] = field(default_factory=set)
 
-    def refuse(self, name: str, why: str, owner: str) -> None:
+    def reject(self, name: str, why: str, owner: str) -> None:
         """Record a file that is skipped."""
-        self.skipped.append((owner, printable(f"refused: {name}: {why}")))
+        self.skipped.append((owner, printable(f"rejected: {name}: {why}")))
 
     @property
-    def refused(self) -> list[str]:
+    def rejected_lines(self) -> list[str]:
         """A line for each skipped file. Beyond a limit, one line counts an owner's further files.
 
         The archive of one student may have a thousand files, which would hide those of the others.
@@ -87,19 +95,18 @@ class Collection:
         for owner, lines in lines_by_owner.items():
             listed += lines[:MOST_LINES]
             if (more := len(lines) - MOST_LINES) > 0:
-                listed.append(printable(f"refused: {format_count(more, 'more file')} of {owner}"))
+                listed.append(printable(f"rejected: {format_count(more, 'more file')} of {owner}"))
         return listed
 
     def summary(self, out: Path) -> str:
         """Return a summary, and the next command to type."""
         details = f", {self.late} late according to the platform" if self.late else ""
-        details += f", {len(self.skipped)} refused" if self.skipped else ""
+        details += f", {format_count(len(self.skipped), 'file')} rejected" if self.skipped else ""
         aside_count = sum(not line.startswith("ignored:") for line in self.set_aside)
         details += f", {aside_count} set aside" if aside_count else ""
-        if self.rejected:
-            details += (
-                f", {format_count(len(self.rejected), 'student')} rejected (the gradebook has the reason)"
-            )
+        if self.rejected_students:
+            students = format_count(len(self.rejected_students), "student")
+            details += f", {students} rejected (the gradebook has the reason)"
         files, students = format_count(self.count, "file"), format_count(len(self.students), "student")
         return f"Collected {files} of {students} into {out}{details}. Next: course grade {out} --out graded"
 
@@ -151,17 +158,17 @@ class Download:
         return self.layout.owner(path)
 
     def arrivals(
-        self, done: Collection | None = None, refused: list[tuple[str, str]] | None = None
+        self, done: Collection | None = None, rejected_files: list[tuple[str, str]] | None = None
     ) -> Iterator[ReceivedFile]:
         """Yield the files, including files in archives; record and skip unsafe files."""
 
-        def refuse(name: str, why: str) -> None:
+        def reject(name: str, why: str) -> None:
             if done is not None:
-                done.refuse(name, why, self.owner(tuple(name.split("/"))))
-            if refused is not None:
-                refused.append((name, why))
+                done.reject(name, why, self.owner(tuple(name.split("/"))))
+            if rejected_files is not None:
+                rejected_files.append((name, why))
 
-        return ReceivedFileReader(refuse, self.owner, lambda parts: not self.layout.is_extra(parts)).read(
+        return ReceivedFileReader(reject, self.owner, lambda parts: not self.layout.is_extra(parts)).read(
             self.source
         )
 
@@ -202,20 +209,20 @@ def collect(
     collection = Collection(rows=_read_rows(out / LIST))
     download = _download(source, zone, layout)
     exports = _read_exports(download, zone, roster, id_column, times, collection)
-    items, refused = _inspect_all(download, collection)
+    items, rejected_files = _inspect_all(download, collection)
     if not items and not collection.skipped:
         raise CourseError(f"{source} contains no files. Pass the platform's download.")
     if source.is_dir() and (empty := empty_folders(source)):
         collection.notes.add(f"note: folders without files: {join_few(empty)}")
-    names = [*(item.download_name for item in items), *(file.download_name for file in refused)]
+    names = [*(item.download_name for item in items), *(file.download_name for file in rejected_files)]
     _reject_collisions(names, exports)
-    choice = choose(items, refused, download.layout, exercise)
+    choice = choose(items, rejected_files, download.layout, exercise)
     collection.set_aside = [printable(line) for line in choice.lines]
     # It stays if this process is killed or the disk is full, and `course grade` reports it.
     write_atomically(out / UNFINISHED, source.name.encode("utf-8", "replace"))
     store = Store(out, zone, exports, collection)
     store.store_all(download, choice)
-    store.reject(choice)
+    store.list_rejected(choice)
     write_list(out / LIST, collection.rows.values())
     (out / UNFINISHED).unlink(missing_ok=True)
     return collection
@@ -272,29 +279,29 @@ def _read_extras(source: Path, is_wanted: Callable[[tuple[str, ...]], bool]) -> 
 
 def _inspect_all(
     download: Download, collection: Collection
-) -> tuple[list[DownloadedFile], list[RefusedFile]]:
+) -> tuple[list[DownloadedFile], list[RejectedFile]]:
     """Return the files of a download and the rejected files of known owners, without storing anything."""
-    items, refused, unsafe = list[DownloadedFile](), list[RefusedFile](), list[tuple[str, str]]()
+    items, rejected_files, unsafe = list[DownloadedFile](), list[RejectedFile](), list[tuple[str, str]]()
     for arrival in download.arrivals(collection, unsafe):
         if _is_stamp(arrival, download.layout):
             continue
         try:
             download_name = download.layout.read(arrival.components)
         except CourseError as error:
-            collection.refuse("/".join(arrival.components), str(error), download.owner(arrival.components))
+            collection.reject("/".join(arrival.components), str(error), download.owner(arrival.components))
             continue
         try:
             items.append(inspect_file(arrival, download_name))
         except CourseError as error:
-            collection.refuse("/".join(arrival.components), str(error), download.owner(arrival.components))
-            refused.append(RefusedFile(download_name, download_name.below[-1], str(error)))
+            collection.reject("/".join(arrival.components), str(error), download.owner(arrival.components))
+            rejected_files.append(RejectedFile(download_name, download_name.below[-1], str(error)))
     for name, why in unsafe:
         try:
             download_name = download.layout.read(tuple(name.split("/")))
         except CourseError:
             continue
-        refused.append(RefusedFile(download_name, download_name.below[-1], why))
-    return items, refused
+        rejected_files.append(RejectedFile(download_name, download_name.below[-1], why))
+    return items, rejected_files
 
 
 def _is_stamp(arrival: ReceivedFile, layout: readers.Layout) -> bool:
@@ -430,7 +437,7 @@ class Store:
                         raise
                     why = f"can't be kept: {error.strerror}"
                     owner = download.owner(arrival.components)
-                    collection.refuse("/".join(arrival.components), why, owner)
+                    collection.reject("/".join(arrival.components), why, owner)
                 else:
                     notes = _platform_notes(item.download_name, self.exports, download.layout)
                     collection.notes |= set(notes)
@@ -451,7 +458,7 @@ class Store:
         seconds = arrival.time.timestamp()
         os.utime(path, (seconds, seconds))
         file = path.relative_to(self.out).as_posix()
-        if rows.get(file, {}).get("refused"):
+        if rows.get(file, {}).get("rejected"):
             del rows[file]
         if student and (
             not download_name.is_named or (download_name.keys and download_name.layout != readers.NBGRADER)
@@ -464,12 +471,12 @@ class Store:
         if item.exercise:
             # The student has submitted the exercise since, so rows of rejected files are obsolete.
             for other, row in list(rows.items()):
-                is_of_exercise = row.get("refused") and row.get("exercise") == item.exercise
+                is_of_exercise = row.get("rejected") and row.get("exercise") == item.exercise
                 if is_of_exercise and other.split("/")[0] == student:
                     del rows[other]
         collection.count += 1
 
-    def reject(self, choice: Choice) -> None:
+    def list_rejected(self, choice: Choice) -> None:
         """Write a row with the reason for each student without a kept file, for `course grade`."""
         rows = self.collection.rows
         for download_name, exercise, why in choice.rejected:
@@ -481,17 +488,17 @@ class Store:
                 continue
             name = re.sub(r"[^\w .()+-]", "_", download_name.below[-1])
             name = name[:MAX_NAME].strip(" .") or exercise
-            # A file of this name may be refused, or kept, for another exercise too: each has a row
+            # A file of this name may be rejected, or kept, for another exercise too: each has a row
             # of its own.
             file = f"{student}/{name}"
             is_of_other = is_notebook_name(name) and find_exercise_name(name) != exercise
             if is_of_other or rows.get(file, {}).get("exercise", exercise) not in ("", exercise):
-                file = f"{student}/refused {exercise} {name}"
+                file = f"{student}/rejected {exercise} {name}"
             if (self.out / file).exists():
-                file = f"{student}/refused {name}"
+                file = f"{student}/rejected {name}"
             row = {"file": file, **self._row(download_name)}
-            rows[file] = {**row, "exercise": exercise, "refused": escape_formula(printable(why))}
-            self.collection.rejected.add(student)
+            rows[file] = {**row, "exercise": exercise, "rejected": escape_formula(printable(why))}
+            self.collection.rejected_students.add(student)
 
     def _row(self, download_name: readers.DownloadName) -> dict[str, str]:
         """Return the row of received.csv for a file with a platform's name."""
@@ -551,7 +558,10 @@ def _read_rows(path: Path) -> dict[str, dict[str, str]]:
     if not path.is_file():
         return {}
     with path.open(newline="", encoding="utf-8-sig") as file:
-        return {row["file"]: row for row in csv.DictReader(file)}
+        return {
+            row["file"]: {**row, "rejected": row.get("rejected") or row.get(OLD_REJECTED) or ""}
+            for row in csv.DictReader(file)
+        }
 
 
 def write_list(path: Path, rows: Iterable[Mapping[str, str]]) -> None:

@@ -249,7 +249,7 @@ def compare(
     names = [members[0] for members in groups.values()]
     amount = np.diag(shared)
     share = shared / np.maximum(np.minimum(amount, amount[:, None]), 1e-9)
-    limit, median = _limit(share)
+    limit, median = _similarity_limit(share)
     first, second = np.nonzero(np.triu((share >= limit) & (shared >= MIN_SHARED), 1))
     pairs = [Pair(names[a], names[b], float(share[a, b])) for a, b in zip(first, second, strict=True)]
     for weight, members in zip(amount, groups.values(), strict=True):
@@ -325,7 +325,7 @@ def _shared_weights(solutions: Sequence[frozenset[int]]) -> Floats:
     return shared
 
 
-def _limit(share: Floats) -> tuple[float, float | None]:
+def _similarity_limit(share: Floats) -> tuple[float, float | None]:
     """Return the threshold of similarity for two solutions, and the median of the class."""
     if len(share) < CLASS:
         return SHARE, None
@@ -506,7 +506,7 @@ class Line:
     number: int
     text: str
     kind: Kind
-    like: int = 0
+    similar_number: int = 0
 
 
 @dataclass(frozen=True)

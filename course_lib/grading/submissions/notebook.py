@@ -50,14 +50,14 @@ MAX_HEAD = 40  # limit on the characters of a cell's first line
 class Notebook:
     """A submitted notebook: its code cells, its exercise, and the ID in it.
 
-    `ran` is True for each code cell that was run, as recorded in the file. `is_lesson` is True if
+    `was_run` is True for each code cell that was run, as recorded in the file. `is_lesson` is True if
     the metadata are from a lesson. `digest` is the digest of all cells without outputs.
     """
 
     cells: tuple[str, ...]
     exercise: str | None = None
     student: str | None = None
-    ran: tuple[bool, ...] = ()
+    was_run: tuple[bool, ...] = ()
     is_lesson: bool = False
     digest: str = ""
 
@@ -105,7 +105,7 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
         )
     code_cells = [cell for cell in cells if cell.get("cell_type") == "code"]
     code = tuple(source({"source": cell.get("source", cell.get("input", ""))}) for cell in code_cells)
-    ran = tuple(bool(cell.get("execution_count", cell.get("prompt_number"))) for cell in code_cells)
+    was_run = tuple(bool(cell.get("execution_count", cell.get("prompt_number"))) for cell in code_cells)
     claims = _dict(_dict(content.get("metadata")).get("course"))
     exercise = find_exercise_name(claims.get("exercise")) or find_exercise_name(name)
     exercise = exercise or _exercise_without_metadata(name, code)
@@ -116,7 +116,7 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
     digest = hashlib.sha256(json.dumps(texts).encode()).hexdigest()
     # Exercises have the metadata "exercise" and "minutes", lessons only "minutes".
     is_lesson = "minutes" in claims and "exercise" not in claims
-    return Notebook(code, exercise, claimed_id(claims), ran, is_lesson, digest)
+    return Notebook(code, exercise, claimed_id(claims), was_run, is_lesson, digest)
 
 
 def _count_brackets(data: bytes) -> int:
@@ -191,7 +191,7 @@ class CodeCell:
 
     number: int
     source: str
-    ran: bool
+    was_run: bool
 
     @property
     def name(self) -> str:

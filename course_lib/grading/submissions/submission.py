@@ -64,14 +64,19 @@ UTC = ZoneInfo("UTC")
 NAMES = re.compile(r"\.(ipynb(\.txt|\.json)?|zip)$|^week\d\d_exercise.*\.json$", re.IGNORECASE)
 RESERVED = (".html", ".js")  # suffixes of files next to the students' folders of reports
 NO_EXERCISE = "is not an exercise of this course: expected a file like week01_exercise.ipynb"
-REFUSED = "refused"  # reason of a result if `course collect` kept no file, or the file is a link
+# Reason of a result if `course collect` stored no file, or the file is a link.
+NOT_COLLECTED = "not collected"
 MANY = 3  # limit on the names in a note
 LESSON_SHARE = 0.5  # fraction of a lesson's cells from which a notebook is a lesson
 LIST = "received.csv"
 UNFINISHED = ".collecting"  # exists while `course collect` writes the folder
 ID_FROM = "id_from"  # whether the student's ID is from the roster
 ROSTER, PLATFORM = "roster", "platform"  # values of the column ID_FROM in received.csv
-COLUMNS = ("file", "received", "late", "source", "name", "handed_in_as", ID_FROM, "exercise", "refused")
+COLUMNS = (
+    "file", "received", "late", "source", "name", "handed_in_as", ID_FROM, "exercise", "rejected",
+)  # fmt: skip
+# The last column in files of earlier versions.
+OLD_REJECTED = "refused"
 # levels below the top: STUDENT/ in folders made by hand, and nbgrader's STUDENT/ASSIGNMENT/
 STAMP_DEPTHS = (1, 2)
 MAX_STAMP = 200  # [B] limit on the size of a time stamp file
@@ -91,7 +96,7 @@ class Entry:
     note: str = ""
     handed_in_as: str = ""
     exercise: str = ""
-    refused: str = ""
+    rejection: str = ""
 
 
 @dataclass(frozen=True)
@@ -157,13 +162,13 @@ class Ledger:
         return ReceiptTime(time, source, is_late, receipt_time, tuple(notes), original_name)
 
     @property
-    def refused(self) -> Mapping[str, Entry]:
+    def rejected_files(self) -> Mapping[str, Entry]:
         """The files that `course collect` rejected, by path in the folder."""
         top = self.top.absolute()
         rows = {
             path.relative_to(top): entry
             for path, entry in self.entries.items()
-            if entry.refused and entry.exercise and path.is_relative_to(top)
+            if entry.rejection and entry.exercise and path.is_relative_to(top)
         }
         # The folder itself may be given as ../submissions.
         return {file.as_posix(): entry for file, entry in rows.items() if ".." not in file.parts}
@@ -184,7 +189,8 @@ def _entries(path: Path, zone: ZoneInfo) -> dict[Path, Entry]:
     file = LmsFile.read(path)
     if missing := {"file", "received"} - set(file.headings):
         raise CourseError(f"{path} has no column {min(missing)!r}. Expected {EXAMPLES[LIST]}")
-    places = {heading: file.headings.index(heading) for heading in COLUMNS if heading in file.headings}
+    headings = [heading for heading in (*COLUMNS, OLD_REJECTED) if heading in file.headings]
+    places = {heading: file.headings.index(heading) for heading in headings}
     rows = [{key: file.text(row, place) for key, place in places.items()} for row in range(1, len(file.rows))]
     times = parse_times([row["received"] for row in rows], zone)
     entries = {}
@@ -195,8 +201,10 @@ def _entries(path: Path, zone: ZoneInfo) -> dict[Path, Entry]:
         source = f"{LIST} ({row['source']})" if row.get("source") else LIST
         is_late = {"yes": True, "no": False}.get(row.get("late", "").casefold())
         original_name = row.get("handed_in_as", "")
-        about = (row.get("exercise", "").lstrip("'"), row.get("refused", "").lstrip("'"))
-        entries[path.parent / row["file"]] = Entry(time, source, is_late, note, original_name, *about)
+        exercise = row.get("exercise", "").lstrip("'")
+        rejection = (row.get("rejected") or row.get(OLD_REJECTED, "")).lstrip("'")
+        entry = Entry(time, source, is_late, note, original_name, exercise, rejection)
+        entries[path.parent / row["file"]] = entry
     return entries
 
 
@@ -232,7 +240,7 @@ def find_submissions(
     counts: Counts = "last",
     zone: ZoneInfo = UTC,
     *,
-    with_refused: bool = False,
+    with_rejected: bool = False,
     is_accepted: Callable[[Submission], bool] = lambda _: True,
 ) -> list[Submission]:
     """Return the newest submission per student and exercise, or all, oldest first, if the best one counts.
@@ -241,7 +249,7 @@ def find_submissions(
         top: One folder per student, or files that `course submit` wrote.
         counts: Which of several submissions counts.
         zone: The zone of times in received.csv without one.
-        with_refused: Whether to include a submission without a file for each student whose files
+        with_rejected: Whether to include a submission without a file for each student whose files
             were all rejected by `course collect`, or are links.
         is_accepted: Whether the late policy accepts a submission. One that is not accepted never
             replaces one that is.
@@ -261,20 +269,21 @@ def find_submissions(
             submission = read_submission(path, ledger)
             groups[submission.student, submission.exercise].append(submission)
     ordered = {key: sort_submissions(group, top, counts, is_accepted) for key, group in groups.items()}
-    rejected = [(file, entry.exercise, entry.refused) for file, entry in ledger.refused.items()]
+    entries = ledger.rejected_files.items()
+    rejected = [(file, entry.exercise, entry.rejection) for file, entry in entries]
     exercises = sorted({exercise for _, exercise in ordered if find_exercise_name(exercise) == exercise})
     rejected += _rejected_links(top, exercises)
-    for file, exercise, why in rejected if with_refused else ():
+    for file, exercise, why in rejected if with_rejected else ():
         folder = file.split("/")[0].removesuffix(".ipynb")
         student = claimed_id({"student": folder}) or folder
         if previous := ordered.get((student, exercise)):
-            previous[-1] = replace(previous[-1], refused=(*previous[-1].refused, file))
+            rejected_files = (*previous[-1].rejected_files, file)
+            previous[-1] = replace(previous[-1], rejected_files=rejected_files)
             continue
         path = top / file
         when = ledger.receipt_time(path, {})
-        ordered[student, exercise] = [
-            Submission(student, exercise, path, when, problem=why, reason=REFUSED, named=file)
-        ]
+        submission = Submission(student, exercise, path, when, problem=why, reason=NOT_COLLECTED)
+        ordered[student, exercise] = [replace(submission, relative_path=file)]
     if not ordered:
         raise CourseError(f"{top} contains no submissions: expected STUDENT/week01_exercise.ipynb")
     groups_in_order = [ordered[key] for key in sorted(ordered)]
@@ -376,7 +385,7 @@ def _age(file: Submission, top: Path, timed: bool) -> tuple[Any, ...]:
 def _base_name(file: Submission, *, whole: bool = False) -> str:
     """Return a file's name without exercise and ID, and without the number of the attempt unless `whole`."""
     name = re.sub(r"^week\d\d(_exercise)?|\.ipynb$", "", file.path.stem, flags=re.IGNORECASE)
-    for student_id in filter(None, (file.claimed, file.student)):
+    for student_id in filter(None, (file.claimed_id, file.student)):
         # Canvas's "-11" is an attempt, even of the student 11; `course submit` writes "_11".
         is_short = re.fullmatch(r"\d{1,3}", student_id)
         pattern = rf"(^|_){student_id}(?!\d)" if is_short else re.escape(student_id)
@@ -439,7 +448,7 @@ def read_submission(path: Path, ledger: Ledger) -> Submission:
         sha256,
         problem,
         reason=reason,
-        named=path.relative_to(ledger.top).as_posix(),
+        relative_path=path.relative_to(ledger.top).as_posix(),
         is_untouched=is_untouched,
     )
 
@@ -689,9 +698,10 @@ def _plan_job(submission: Submission, course: Course) -> tuple[Submission, Job |
         return bare, None
     if not tasks:
         return replace(bare, problem=bare.problem or f"the course has no {bare.exercise}"), None
-    steps = tuple(step.without_checks() for step in plan_scenarios(tasks, catalog, hidden=True))
+    steps = tuple(step.without_checks() for step in plan_scenarios(tasks, catalog, with_hidden=True))
     limits, files = catalog.course.limits, catalog.with_assets(week, submission.files)
-    job = Job(notebook.cells, submission.values_of, steps, limits, files, course.sandbox, course.refused)
+    own_values, forbidden_paths = submission.values_of, course.forbidden_paths
+    job = Job(notebook.cells, own_values, steps, limits, files, course.sandbox, forbidden_paths)
     return replace(bare, key=job.key), job
 
 
@@ -714,8 +724,8 @@ def resolve_ids(submissions: Sequence[Submission], top: Path) -> list[Submission
     owners = defaultdict[str, set[str]](set)
     for submission in submissions:
         owners[submission.student].add(submission.student)
-        if submission.claimed:
-            owners[submission.claimed].add(submission.student)
+        if submission.claimed_id:
+            owners[submission.claimed_id].add(submission.student)
     return [_resolve_id(submission, top, numbers, owners) for submission in submissions]
 
 
@@ -729,21 +739,23 @@ def _resolve_id(
     if submission.path.parent != top and not is_number:
         # The folder identifies the student.
         resolved = replace(submission, values_of=submission.student)
-        if submission.claimed == submission.student:
+        if submission.claimed_id == submission.student:
             return resolved
         judging = f"judged with the personal values of {submission.student}"
-        if submission.claimed is None:
+        if submission.claimed_id is None:
             return replace(resolved, id_flag=NO_ID, id_note=f"the file has no ID: {judging}")
-        note = f"the file has the ID {submission.claimed}, but {submission.student} submitted it: {judging}"
+        note = (
+            f"the file has the ID {submission.claimed_id}, but {submission.student} submitted it: {judging}"
+        )
         return replace(resolved, id_flag=MISMATCH, id_note=note)
-    if is_number and submission.claimed and owners[submission.claimed] != {submission.student}:
-        note = f"the file has the ID {submission.claimed}, and so has another student's file"
-        return replace(submission, values_of=submission.claimed, id_flag=MISMATCH, id_note=note)
-    if submission.claimed is None:
+    if is_number and submission.claimed_id and owners[submission.claimed_id] != {submission.student}:
+        note = f"the file has the ID {submission.claimed_id}, and so has another student's file"
+        return replace(submission, values_of=submission.claimed_id, id_flag=MISMATCH, id_note=note)
+    if submission.claimed_id is None:
         note = "the file has no ID: judged with the personal values of a guest"
         return replace(submission, id_flag=NO_ID, id_note=note)
     # Often all submissions are unverified, which is reported in a single line.
-    return replace(submission, values_of=submission.claimed, id_flag=UNVERIFIED)
+    return replace(submission, values_of=submission.claimed_id, id_flag=UNVERIFIED)
 
 
 def _platform_numbers(top: Path) -> frozenset[str]:

@@ -71,8 +71,8 @@ class NotebookReview:
         identity: str | None,
     ) -> None:
         self._path, self._notebook, self._tasks, self._identity = path, notebook, tasks, identity
-        pairs = zip(notebook.cells, notebook.ran, strict=True)
-        self._cells = [CodeCell(number, text, ran) for number, (text, ran) in enumerate(pairs, 1)]
+        pairs = zip(notebook.cells, notebook.was_run, strict=True)
+        self._cells = [CodeCell(number, text, was_run) for number, (text, was_run) in enumerate(pairs, 1)]
         checks = ((task.id, last_check(state, task.id)) for task in tasks)
         self._last_checks: dict[str, LastCheck] = {name: last for name, last in checks if last}
         self._released_digests = _released_digests(notebook.exercise or "")
@@ -151,7 +151,7 @@ class NotebookReview:
         Students measure and try things in other cells, which need no check.
         """
         checked_digests = frozenset[str]().union(*(last.cells for last in self._last_checks.values()))
-        if not checked_digests and not any(cell.ran for cell in self._cells):
+        if not checked_digests and not any(cell.was_run for cell in self._cells):
             # Nothing is known about any cell.
             return
         of_tasks = [self._own_cell(task) for task in self._tasks]
@@ -164,7 +164,7 @@ class NotebookReview:
             may_be_task = None in of_tasks and cell.bindings
             if names.isdisjoint(cell.changed_names) and not may_be_task:
                 continue
-            if not cell.ran:
+            if not cell.was_run:
                 yield f"{cell.name} was never run"
             elif checked_digests:
                 yield f"{cell.name} has changed since the last check"

@@ -716,8 +716,8 @@ def expect_trajectory(
     try:
         *_, last = waypoints_of(trajectory, list(goal), Time(nanoseconds=START_NS + round(when * 1e9)))
     # A time before 1970 raises a ValueError.
-    except (CourseError, ValueError) as refused:
-        return [Problem(f"the controller rejects it: {refused}", "the controller refuses the trajectory")]
+    except (CourseError, ValueError) as rejection:
+        return [Problem(f"the controller rejects it: {rejection}", "the controller rejects the trajectory")]
     return list(_compare_goal(last, goal, when, at, seconds))
 
 

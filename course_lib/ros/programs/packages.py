@@ -328,7 +328,7 @@ def _report_duplicates(below: Mapping[str, list[Path]]) -> None:
         more = f" and {len(folders) - _MOST_REPORTED} more" if len(folders) > _MOST_REPORTED else ""
         sys.stderr.write(
             f"warning: there are {len(folders)} packages named '{name}': {locations}{more}. The first one is "
-            "used, and colcon refuses to build them. Change the <name> in one package.xml, or put "
+            "used, and colcon does not build them. Change the <name> in one package.xml, or put "
             "an empty file COLCON_IGNORE into the folder that is not meant.\n"
         )
     if len(new) > _MOST_REPORTED:

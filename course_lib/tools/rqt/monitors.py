@@ -160,7 +160,7 @@ class TopicView(RqtView):
         return table(_TOPIC_HEADS, rows, "Topics")
 
     def _topics(self) -> dict[str, list[str]]:
-        topics = self.source.topics(hidden=False)
+        topics = self.source.topics(with_hidden=False)
         return {topic: types for topic, types in topics.items() if self["Filter"] in topic}
 
     def _row(self, topic: str) -> Any:

@@ -189,12 +189,12 @@ class ReconfigureView(RqtView):
             value = read_value(new) if isinstance(new, str) and not isinstance(was, str) else new
             with parameter_client(self.source, self["Node"]) as ask:
                 (result,) = ask("set_parameters", [Parameter(name, value=value)]).results
-            refusal = "" if result.successful else result.reason or "the node refuses it"
+            rejection = "" if result.successful else result.reason or "the node rejects it"
         except ValueError as error:
-            refusal = f"{new!r} is not a parameter value: {error}"
-        if refusal:
+            rejection = f"{new!r} is not a parameter value: {error}"
+        if rejection:
             self._show({name: was})
-        outcome = f"<span class='rqt-notice'>Not set: {escape(refusal)}</span>" if refusal else "set"
+        outcome = f"<span class='rqt-notice'>Not set: {escape(rejection)}</span>" if rejection else "set"
         self.rows[name].children[2].value = outcome
 
     def _show(self, values: dict[str, Any]) -> None:

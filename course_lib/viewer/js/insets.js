@@ -84,14 +84,14 @@ function drawInset(inset, mirror, width, height, render) {
   context.fillRect(0, 0, width, height);
   const [left, top, wide, high] = inset.area;
   const paint = () => context.drawImage(inset.picture, left * width, top * height, wide * width, high * height);
-  if (inset.behind) paint();
-  const hidden = /** @type {string[]} */ (inset.hidden).map((path) => mirror.nodes.get(path)).filter((node) => node?.visible);
+  if (inset.is_behind) paint();
+  const hidden = /** @type {string[]} */ (inset.hidden_paths).map((path) => mirror.nodes.get(path)).filter((node) => node?.visible);
   for (const node of hidden) node.visible = false;
   const orbit = new Orbit();
   orbit.setCamera(inset.camera);
   render(orbit.camera(width, height), context, width, height);
   for (const node of hidden) node.visible = true;
-  context.globalAlpha = inset.over;
+  context.globalAlpha = inset.overlay_alpha;
   paint();
   context.globalAlpha = 1;
   return canvas;

@@ -120,7 +120,7 @@ export function buildSheet(sheet) {
 }
 
 /** @param {any} sheet @param {number} left column of its first cell @param {number} top row of its first cell */
-function buildTile({ cells, colors, rows, columns, width: cell, behind }, left, top) {
+function buildTile({ cells, colors, rows, columns, width: cell, is_behind }, left, top) {
   const [width, height] = [columns * cell, rows * cell];
   const see = isTransparent(colors);
   const pixels = new Uint8Array(4 * cells.length);
@@ -128,14 +128,14 @@ function buildTile({ cells, colors, rows, columns, width: cell, behind }, left, 
   for (let i = 0; i < words.length; i++) words[i] = palette[cells[i]];
   const map = new THREE.DataTexture(pixels, columns, rows, THREE.RGBAFormat);
   map.needsUpdate = true;
-  const paint = new THREE.MeshBasicMaterial({ map, side: THREE.DoubleSide, transparent: see && !behind });
-  paint.depthWrite = !see && !behind;
-  if (behind) paint.blending = THREE.CustomBlending; // drawn with the opaque objects, because it comes first
+  const paint = new THREE.MeshBasicMaterial({ map, side: THREE.DoubleSide, transparent: see && !is_behind });
+  paint.depthWrite = !see && !is_behind;
+  if (is_behind) paint.blending = THREE.CustomBlending; // drawn with the opaque objects, because it comes first
   paint.blendSrcAlpha = THREE.OneFactor; // as in three.js's own blending, so that the view stays opaque
   Object.assign(paint, { polygonOffset: true, polygonOffsetUnits: 16 }); // farther away, like RViz's maps
   const geometry = new THREE.PlaneGeometry(width, height).translate(left * cell + width / 2, top * cell + height / 2, 0);
   const mesh = new THREE.Mesh(geometry, paint);
-  mesh.renderOrder = behind ? -1 : 0;
+  mesh.renderOrder = is_behind ? -1 : 0;
   return mesh;
 }
 

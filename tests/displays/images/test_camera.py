@@ -115,7 +115,7 @@ def test_image_is_drawn_behind_the_scene_or_as_an_overlay(rendering: str, behind
     add(bench, image_rendering=rendering, overlay_alpha=0.25)
     inset = show_inset(bench, info())
     assert inset is not None
-    assert (inset.behind, inset.over, inset.hidden) == (behind, over, ("displays/Grid",))
+    assert (inset.is_behind, inset.overlay_alpha, inset.hidden_paths) == (behind, over, ("displays/Grid",))
 
 
 def test_missing_camera_info_is_reported_as_in_rviz() -> None:

@@ -166,7 +166,7 @@ def test_changed_property_redraws_the_map(label: str, value: Any) -> None:
     before = sheet(bench)
     display[label] = value
     after = sheet(bench)
-    assert (before.colors.tolist(), before.behind) != (after.colors.tolist(), after.behind)
+    assert (before.colors.tolist(), before.is_behind) != (after.colors.tolist(), after.is_behind)
 
 
 def test_binary_map_threshold_is_limited_to_0_to_100() -> None:

@@ -105,7 +105,7 @@ def test_long_history_is_drawn_once_per_frame(monkeypatch: pytest.MonkeyPatch) -
     numbers: list[int] = []
 
     def count(display: DrawnDisplay) -> None:
-        numbers.append(len(display.kept))
+        numbers.append(len(display.history))
         draw(display)
 
     monkeypatch.setattr(type(display), "draw", count)

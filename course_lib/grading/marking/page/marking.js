@@ -212,7 +212,7 @@ function drawChecks(item) {
   const passed = item.checks.filter((check) => check.score >= 1).length;
   const checks = item.checks.map((check) => {
     const sign = check.score >= 1 ? "✓ passed" : `✗ ${Math.round(100 * check.score)} %`;
-    const scenario = check.hidden ? `${check.scenario}, hidden` : check.scenario;
+    const scenario = check.is_hidden ? `${check.scenario}, hidden` : check.scenario;
     const message = [check.message, check.broken].filter(Boolean).join("; ");
     return createElement("li", {}, `${sign}: ${check.title} (${scenario}): ${message}`);
   });

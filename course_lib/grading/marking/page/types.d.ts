@@ -5,7 +5,7 @@ export type Item = {
   state: "waiting" | "marked" | "checks"; failed: string[]; note: string; revision: string;
 };
 export type Mark = { task: string; points: number | null; row: string; comment: string; by: string; at: string };
-export type Check = { title: string; scenario: string; hidden: boolean; score: number; message: string; mistake: string; broken: string };
+export type Check = { title: string; scenario: string; is_hidden: boolean; score: number; message: string; mistake: string; broken: string };
 export type Cell = { title: string; own: boolean; pieces: [string, string][] };
 export type Details = Item & {
   rubric: { text: string; points: number }[]; whole: boolean; marks: Mark[]; checks: Check[]; errors: string[];

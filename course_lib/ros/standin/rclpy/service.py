@@ -60,7 +60,7 @@ class ServiceEnd(Entity):
             Endpoint(node, self._course_id, sent[0]),
             Endpoint(node, received_id, received[0]),
         )
-        self.__ends[0].claimed = f"rq{full_name}"
+        self.__ends[0].registered_name = f"rq{full_name}"
         self._course_queue: deque[tuple[int, int, bytes]] = deque()
         self.__events: ServiceEvents | None = None
         self.__asks = asks

@@ -93,7 +93,7 @@ class XmlEntity(_Element):
             raise self._type_error(name, kind, text)
         return value
 
-    def refuse_rest(self, known: Sequence[str]) -> None:
+    def reject_rest(self, known: Sequence[str]) -> None:
         """Raise an EntityError for an attribute or child element that has not been read."""
         for name in self.attributes:
             if name not in self._asked:
@@ -152,7 +152,7 @@ class YamlEntity(_Element):
             raise self.error(f"it is {self._value!r}, expected `key: value` lines")
         return self._value
 
-    def refuse_rest(self, known: Sequence[str]) -> None:
+    def reject_rest(self, known: Sequence[str]) -> None:
         """Raise an EntityError for a key that has not been read."""
         for name in self._value if isinstance(self._value, dict) else ():
             if name not in self._asked:
@@ -221,7 +221,7 @@ class _XmlReader:
         self._parser = expat.ParserCreate()
         self._parser.StartElementHandler = self._start
         self._parser.EndElementHandler = self._end
-        self._parser.EntityDeclHandler = self._refuse_entity
+        self._parser.EntityDeclHandler = self._reject_entity
 
     def root_of(self, data: bytes) -> Entity:
         """Parse the data and return the root element."""
@@ -246,7 +246,7 @@ class _XmlReader:
     def _end(self, name: str) -> None:
         self._open.pop()
 
-    def _refuse_entity(self, name: str, *rest: object) -> None:
+    def _reject_entity(self, name: str, *rest: object) -> None:
         line = self._parser.CurrentLineNumber
         raise EntityError(line, f"the file declares the entity '{name}', which launch files do not need")
 

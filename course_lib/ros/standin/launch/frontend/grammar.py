@@ -268,7 +268,7 @@ def build_element(entity: Entity, element: Element) -> Any:
         if element.conditional and (condition := _condition(entity)) is not None:
             arguments["condition"] = condition
         names = {attribute.name for attribute in element.attributes if attribute.name}
-        entity.refuse_rest(sorted(names | {"if", "unless"} if element.conditional else names))
+        entity.reject_rest(sorted(names | {"if", "unless"} if element.conditional else names))
         return element.make(**arguments)
     except EntityError:
         raise

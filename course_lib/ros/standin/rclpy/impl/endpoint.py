@@ -32,7 +32,7 @@ class Endpoint:
         self.id = endpoint
         self.topic_name = topic_name
         # The topic or service whose type is registered in the node's context.
-        self.claimed = ""
+        self.registered_name = ""
         self._destroyed = False
 
     def require(self) -> "Endpoint":
@@ -49,8 +49,8 @@ class Endpoint:
         if self._destroyed:
             return
         self._destroyed = True
-        if self.claimed:
-            self.node.context.release_type(self.claimed)
+        if self.registered_name:
+            self.node.context.release_type(self.registered_name)
         _events.get(self.node.graph, {}).pop(self.id, None)
         for publisher, subscription in self.partners():
             for side in _events_of(self.node.graph, publisher, subscription):
@@ -132,7 +132,7 @@ class TopicEnd(Generic[MsgT]):
         qos_profile: QoSProfile,
     ) -> None:
         self.handle = handle
-        handle.claimed = handle.topic_name
+        handle.registered_name = handle.topic_name
         self.msg_type = msg_type
         self.topic = topic
         self.qos_profile = qos_profile

@@ -229,9 +229,9 @@ def to_qos(profile: QoSProfile, kind: Literal["pub", "sub"]) -> Qos:
         policies.setdefault("reliability", "best_effort")
     return Qos(
         depth=profile.depth or 1,
-        deadline_ns=_limit(profile.deadline),
-        lifespan_ns=_limit(profile.lifespan),
-        lease_ns=_limit(profile.liveliness_lease_duration),
+        deadline_ns=_limit_ns(profile.deadline),
+        lifespan_ns=_limit_ns(profile.lifespan),
+        lease_ns=_limit_ns(profile.liveliness_lease_duration),
         **policies,
     )
 
@@ -248,7 +248,7 @@ def to_profile(qos: Qos) -> QoSProfile:
     )
 
 
-def _limit(duration: Duration) -> int | None:
+def _limit_ns(duration: Duration) -> int | None:
     """Return a limit in [ns]; None if it is unspecified (zero) or infinite."""
     return duration.nanoseconds if 0 < duration.nanoseconds < DeadlineBestAvailable.nanoseconds else None
 

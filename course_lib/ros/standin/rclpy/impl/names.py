@@ -90,7 +90,7 @@ def _require_text(name: object, function: str, failed: str, null: str = "") -> N
 def validate_node_name(node_name: str) -> bool:
     """Raise InvalidNodeNameException for an invalid node name; else return True, as in rclpy."""
     _require_text(node_name, "rclpy_get_validation_error_for_node_name", "validate node name")
-    _refuse(node_name, NODE_NAME, InvalidNodeNameException)
+    _reject(node_name, NODE_NAME, InvalidNodeNameException)
     return True
 
 
@@ -98,14 +98,14 @@ def validate_namespace(namespace: str) -> bool:
     """Raise InvalidNamespaceException unless `namespace` is valid and absolute; else return True."""
     _require_text(namespace, "rclpy_get_validation_error_for_namespace", "validate namespace")
     if namespace != "/":
-        _refuse(namespace, NAMESPACE, InvalidNamespaceException)
+        _reject(namespace, NAMESPACE, InvalidNamespaceException)
     return True
 
 
 def validate_full_topic_name(name: str, *, is_service: bool = False) -> bool:
     """Return True, or raise Invalid(Topic or Service)NameException for an invalid or relative name."""
     _require_text(name, "rclpy_get_validation_error_for_full_topic_name", "validate name")
-    _refuse(name, FULL_TOPIC, _ERRORS["service" if is_service else "topic"])
+    _reject(name, FULL_TOPIC, _ERRORS["service" if is_service else "topic"])
     return True
 
 
@@ -115,10 +115,10 @@ def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
     """Raise Invalid(Topic or Service)NameException unless `name` is valid; else return True."""
     _require_text(name, "rclpy_get_validation_error_for_topic_name", "validate name", "topic_name")
     error = _ERRORS["service" if is_service else "topic"]
-    _refuse(name, TOPIC_NAME, error)
+    _reject(name, TOPIC_NAME, error)
     sound = re.match(_SOUND, name)
-    _refuse(name, _AFTER_SOUND, error, sound.end() if sound else 0)
-    _refuse(name, TOPIC_TOKENS, error)
+    _reject(name, _AFTER_SOUND, error, sound.end() if sound else 0)
+    _reject(name, TOPIC_TOKENS, error)
     return True
 
 
@@ -147,7 +147,7 @@ def expand_name(topic: str, node_name: str, namespace: str, kind: Kind = "topic"
     """
     validate_topic_name(topic, is_service=kind == "service")
     full = _expand(topic, node_name, namespace)
-    _refuse(full, FULL_TOPIC, _ERRORS[kind])
+    _reject(full, FULL_TOPIC, _ERRORS[kind])
     return full
 
 
@@ -180,7 +180,7 @@ def require_action_name(
         # rcl_action validates the name of its first service, so some errors differ from a topic's
         # errors.
         expand_name(f"{name}/_action/send_goal", node_name, namespace)
-        _refuse(name, _ACTION_TOKENS, InvalidTopicNameException)
+        _reject(name, _ACTION_TOKENS, InvalidTopicNameException)
     except (ValueError, NameValidationException) as error:
         raise ValueError(f"{prefix}{reason_without_name(error)}") from None
 
@@ -213,7 +213,7 @@ def join(namespace: str, name: str) -> str:
     return f"{namespace.rstrip('/')}/{name}"
 
 
-def _refuse(
+def _reject(
     name: str,
     rules: Rules,
     error: Callable[[str, str, int], Exception],

@@ -141,7 +141,7 @@ class ParameterStore:
             descriptor = new.get(name) or self.descriptors.get(name)
             if descriptor is not None:
                 declared = name in self.values
-                reason = _refusal(parameter, descriptor, is_declared=declared, new_descriptor=bool(new))
+                reason = _rejection(parameter, descriptor, is_declared=declared, new_descriptor=bool(new))
                 if reason:
                     return SetParametersResult(successful=False, reason=reason)
         for allows in self.on_set_callbacks:
@@ -218,7 +218,7 @@ def _declaration(name: str, *more: Any, namespace: str) -> tuple[str, Any, Param
     return name, value, descriptor
 
 
-def _refusal(
+def _rejection(
     parameter: Parameter,
     descriptor: ParameterDescriptor,
     *,
