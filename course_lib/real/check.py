@@ -109,52 +109,39 @@ def compare(in_kit: Sequence[Sample], in_ros: Sequence[Sample]) -> list[TopicCom
 
     One recording may begin later, so the offset with the fewest differences is used.
     """
-    topics = sorted({sample.topic for sample in (*in_kit, *in_ros)} - set(OWN_TOPICS))
-    return [
-        _compare_topic(
-            topic, [s for s in in_kit if s.topic == topic], [s for s in in_ros if s.topic == topic]
+    comparisons: list[TopicComparison] = []
+    for topic in sorted({sample.topic for sample in (*in_kit, *in_ros)} - set(OWN_TOPICS)):
+        sides = [[sample for sample in side if sample.topic == topic] for side in (in_kit, in_ros)]
+        kit_messages, ros_messages = ([_bytes_without_stamps(sample) for sample in side] for side in sides)
+        best: list[tuple[bytes, bytes]] = []
+        different: list[tuple[bytes, bytes]] = []
+        # The numbers of samples in the first MAX_OFFSET_NS of both recordings.
+        early_counts = [sum(s.stamp_ns < side[0].stamp_ns + MAX_OFFSET_NS for s in side) for side in sides]
+        limit = max(MAX_OFFSET, *early_counts)
+        for offset in sorted(range(-limit, limit + 1), key=abs):
+            pairs = list(zip(kit_messages[max(0, offset) :], ros_messages[max(0, -offset) :], strict=False))
+            # An offset must not be selected because it leaves few messages to compare.
+            is_long = 2 * len(pairs) >= min(len(kit_messages), len(ros_messages))
+            unequal = [pair for pair in pairs if pair[0] != pair[1]]
+            # Compare the fraction of unequal pairs, because later offsets have fewer pairs.
+            if pairs and is_long and (not best or len(unequal) * len(best) < len(different) * len(pairs)):
+                best, different = pairs, unequal
+        different_field = ""
+        if different:
+            kind = message_class(sides[0][0].type_name)
+            kit, ros = (dict(_flatten(to_plain(deserialize(cdr, kind)))) for cdr in different[0])
+            different_field = next((name for name in {**kit, **ros} if kit.get(name) != ros.get(name)), "")
+        comparisons.append(
+            TopicComparison(
+                topic,
+                in_kit=len(kit_messages),
+                in_ros=len(ros_messages),
+                pairs=len(best),
+                equal=len(best) - len(different),
+                different_field=different_field,
+            )
         )
-        for topic in topics
-    ]
-
-
-def _compare_topic(
-    topic: str,
-    in_kit: Sequence[Sample],
-    in_ros: Sequence[Sample],
-) -> TopicComparison:
-    kit_messages, ros_messages = (
-        [_bytes_without_stamps(sample) for sample in side] for side in (in_kit, in_ros)
-    )
-    best: list[tuple[bytes, bytes]] = []
-    different: list[tuple[bytes, bytes]] = []
-    # The numbers of samples in the first MAX_OFFSET_NS of both recordings.
-    early_counts = [
-        sum(s.stamp_ns < side[0].stamp_ns + MAX_OFFSET_NS for s in side) for side in (in_kit, in_ros)
-    ]
-    limit = max(MAX_OFFSET, *early_counts)
-    for offset in sorted(range(-limit, limit + 1), key=abs):
-        pairs = list(zip(kit_messages[max(0, offset) :], ros_messages[max(0, -offset) :], strict=False))
-        # An offset must not be selected because it leaves few messages to compare.
-        is_long = 2 * len(pairs) >= min(len(kit_messages), len(ros_messages))
-        unequal = [pair for pair in pairs if pair[0] != pair[1]]
-        # Compare the fraction of unequal pairs, because later offsets have fewer pairs.
-        if pairs and is_long and (not best or len(unequal) * len(best) < len(different) * len(pairs)):
-            best, different = pairs, unequal
-    different_field = ""
-    if different:
-        kind = message_class(in_kit[0].type_name)
-        kit, ros = (dict(_flatten(to_plain(deserialize(cdr, kind)))) for cdr in different[0])
-        names = (name for name in {**kit, **ros} if kit.get(name) != ros.get(name))
-        different_field = next(names, "")
-    return TopicComparison(
-        topic,
-        in_kit=len(kit_messages),
-        in_ros=len(ros_messages),
-        pairs=len(best),
-        equal=len(best) - len(different),
-        different_field=different_field,
-    )
+    return comparisons
 
 
 def _flatten(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:

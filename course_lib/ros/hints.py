@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from enum import EnumType
 from pathlib import Path
 from traceback import walk_tb
-from types import FrameType, FunctionType, ModuleType
+from types import FunctionType, ModuleType
 
 from course_lib.errors import join_words
 from course_lib.ros import import_hints, near_names, shadowing_hints, syntax_hints, value_hints
@@ -563,10 +563,13 @@ def _order_hint(error: BaseException, text: str) -> str:
     texts = "rclpy_resolve_name|incompatible constructor arguments|no attribute '_TYPE_SUPPORT'"
     if not re.search(texts, text):
         return ""
-    frames = [frame for frame, _ in walk_tb(error.__traceback__)]
-    names = ((_create_call(frame), frame.f_locals) for frame in frames)
-    call, variables = next(((name, values) for name, values in names if name in _CREATE_CALLS), ("", {}))
-    if not call:
+    for caller, _ in walk_tb(error.__traceback__):
+        # The method of a node that the frame runs, or the class of the action's end that it creates.
+        call, variables = caller.f_code.co_name, caller.f_locals
+        call = type(variables.get("self")).__name__ if call == "__init__" else call
+        if call in _CREATE_CALLS:
+            break
+    else:
         return ""
     kind = variables.get("srv_type", variables.get("msg_type", variables.get("action_type")))
     name = variables.get("srv_name", variables.get("topic", variables.get("action_name")))
@@ -575,12 +578,6 @@ def _order_hint(error: BaseException, text: str) -> str:
         return _type_hint(kind)
     position = "after the node, the type comes" if "Action" in call else "pass the type"
     return f"{position} first, then the name in quotes: `{_CREATE_CALLS[call]}`."
-
-
-def _create_call(frame: FrameType) -> str:
-    """Return the method of a node, or the class of an action's end, that a frame creates."""
-    name = frame.f_code.co_name
-    return type(frame.f_locals.get("self")).__name__ if name == "__init__" else name
 
 
 def _type_hint(kind: object) -> str:

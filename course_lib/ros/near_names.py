@@ -193,12 +193,8 @@ ROS_1 = {
 
 def sort_by_likelihood(types: Iterable[str]) -> list[str]:
     """Sort message types: of types with the same name, like Point, common packages come first."""
-
-    def rank(name: str) -> int:
-        package = name.partition("/")[0]
-        return COMMON.index(package) if package in COMMON else len(COMMON)
-
-    return sorted(types, key=rank)
+    ranks = {package: rank for rank, package in enumerate(COMMON)}
+    return sorted(types, key=lambda name: ranks.get(name.partition("/")[0], len(COMMON)))
 
 
 def nearest(missing: str, names: Iterable[str], cutoff: float = 0.75) -> str:
@@ -357,18 +353,16 @@ def _call_hint(missing: str, line: str, frame: FrameType) -> str:
     """Return the hint for an undefined name that is passed to a function, or ""."""
     if match := re.search(rf"\bkey\s*=\s*({missing}\b[\w.\[\]]*)", line):
         return f"key is a function of an item: write key=lambda {missing}: {match[1]}."
-    if re.search(rf"[(\[,]\s*{missing}\s*[)\],]", line) and _is_string_of_class(missing, frame):
-        if frame.f_code.co_name.isidentifier() and (similar := nearest(missing, frame.f_locals)):
-            return f'did you mean the variable {similar}, or the string "{missing}" with quotes?'
-        return f'it is a name in quotes: write "{missing}".'
-    return ""
-
-
-def _is_string_of_class(name: str, frame: FrameType) -> bool:
-    """Return whether a name is a string in the running function or another method of its class."""
+    if not re.search(rf"[(\[,]\s*{missing}\s*[)\],]", line):
+        return ""
+    # A string in the running function, or in another method of its class, may be meant.
     methods = vars(type(frame.f_locals.get("self"))).values()
     codes = [frame.f_code, *(m.__code__ for m in methods if isinstance(m, FunctionType))]
-    return any(isinstance(c, str) and c == name for code in codes for c in code.co_consts)
+    if not any(isinstance(c, str) and c == missing for code in codes for c in code.co_consts):
+        return ""
+    if frame.f_code.co_name.isidentifier() and (similar := nearest(missing, frame.f_locals)):
+        return f'did you mean the variable {similar}, or the string "{missing}" with quotes?'
+    return f'it is a name in quotes: write "{missing}".'
 
 
 def _find_abbreviation(wanted: str, frame: FrameType) -> str:
@@ -478,9 +472,7 @@ def attribute_hint(error: AttributeError) -> str:
     if frame is not None and error.obj is frame.f_locals.get("self") and error.name in frame.f_locals:
         return f"{error.name} is a variable of this method: write `{error.name}` without self."
     cls = type(error.obj)
-    if is_student_class(cls) and (
-        found := _method_outside(error.name, cls) or _local_variable_hint(error.name, cls)
-    ):
+    if is_student_class(cls) and (found := _misplaced_hint(error.name, cls)):
         return found
     own_classes = [base for base in cls.__mro__ if is_student_class(base)]
     if own_classes:
@@ -547,17 +539,12 @@ def _module_attribute_hint(module: ModuleType, name: str, frame: FrameType | Non
     return ""
 
 
-def _local_variable_hint(name: str, cls: type) -> str:
-    """Return the hint for an attribute that a method sets as a variable, without self, or ""."""
-    for key, method in vars(cls).items():
-        code = method.__code__ if isinstance(method, FunctionType) else None
-        if code is not None and name in code.co_varnames[code.co_argcount :]:
-            return f"{name} = … in {key} is a variable that ends with it: write self.{name} = … there."
-    return ""
+def _misplaced_hint(name: str, cls: type) -> str:
+    """Return the hint for a name that a class lacks, because it is defined elsewhere, or "".
 
-
-def _method_outside(name: str, cls: type) -> str:
-    """Return the hint for a method that is defined after its class, or inside another method, or ""."""
+    A method may be after its class or inside another method, and an attribute may be a variable that
+    a method sets without self.
+    """
     codes = {key: method.__code__ for key, method in vars(cls).items() if isinstance(method, FunctionType)}
     for outer, code in codes.items():
         if any(isinstance(part, CodeType) and part.co_name == name for part in code.co_consts):
@@ -567,6 +554,9 @@ def _method_outside(name: str, cls: type) -> str:
     if isinstance(function, FunctionType) and function.__code__.co_varnames[:1] == ("self",):
         first = methods[0].__name__
         return f"def {name} is outside of the class {cls.__name__}: indent it as far as def {first}."
+    for key, code in codes.items():
+        if name in code.co_varnames[code.co_argcount :]:
+            return f"{name} = … in {key} is a variable that ends with it: write self.{name} = … there."
     return ""
 
 

@@ -344,12 +344,19 @@ class BufferCore:
         self._frames.setdefault(parent)
         rotation = normalized(transform.rotation)
         entry = Transform(parent, child, transform.stamp_ns, transform.translation, rotation)
-        if not self._store(entry, is_static):
-            return (
-                f"TF_OLD_DATA ignoring data from the past for frame {child} at time "
-                f"{format_stamp(transform.stamp_ns)} according to authority {authority}\n"
-                "Possible reasons are listed at http://wiki.ros.org/tf/Errors%20explained",
-            )
+        self._description = None
+        if is_static:
+            self._caches[child] = StaticCache(entry)
+        else:
+            cache = self._caches.get(child)
+            if not isinstance(cache, TimeCache):
+                cache = self._caches[child] = TimeCache(self._cache_ns)
+            if not cache.insert(entry):
+                return (
+                    f"TF_OLD_DATA ignoring data from the past for frame {child} at time "
+                    f"{format_stamp(transform.stamp_ns)} according to authority {authority}\n"
+                    "Possible reasons are listed at http://wiki.ros.org/tf/Errors%20explained",
+                )
         self.authorities[child] = authority
         return ()
 
@@ -459,16 +466,6 @@ class BufferCore:
         for child, cache in self._caches.items():
             if isinstance(cache, TimeCache):
                 self._caches[child] = TimeCache(self._cache_ns)
-
-    def _store(self, transform: Transform, is_static: bool) -> bool:
-        self._description = None
-        if is_static:
-            self._caches[transform.child] = StaticCache(transform)
-            return True
-        cache = self._caches.get(transform.child)
-        if not isinstance(cache, TimeCache):
-            cache = self._caches[transform.child] = TimeCache(self._cache_ns)
-        return cache.insert(transform)
 
     def _check_frames(self, **arguments: str) -> None:
         for argument, name in arguments.items():

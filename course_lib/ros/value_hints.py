@@ -57,9 +57,7 @@ def value_hint(error: BaseException, text: str) -> str:
         return f"this is a {name}, and the field takes one string: `', '.join(['a', 'b'])` joins strings."
     if isinstance(value, FunctionType | MethodType | BuiltinFunctionType):
         return f"this is the function {value.__name__}, which is not called: are its ( ) missing?"
-    if is_number and (found := _number_hint(value, kind, text)):
-        return found
-    if found := _whole_number_hint(value, kind, line_of_student(error)):
+    if is_number and (found := _number_hint(value, kind, text, line_of_student(error))):
         return found
     if name == "Parameter":
         return "this is a parameter: read its value, `self.get_parameter('a_name').value`."
@@ -133,8 +131,11 @@ def _nested_message_hint(value: object, kind: str, field: re.Match[str] | None) 
     return f"create one, with named fields: `{kind}({arguments})`."
 
 
-def _number_hint(value: object, kind: str, text: str) -> str:
-    """Return the hint for a number field that is set to a number-like value, such as a string, or ""."""
+def _number_hint(value: object, kind: str, text: str, line: str) -> str:
+    """Return the hint for a number field that is set to a number-like value, such as a string, or "".
+
+    A line may round the value of a float field with // or int( ).
+    """
     name = type(value).__name__
     if isinstance(value, tuple) and all(isinstance(one, int | float) for one in value):
         if len(value) == 1:
@@ -151,11 +152,6 @@ def _number_hint(value: object, kind: str, text: str) -> str:
         return f"this is a list of {len(value)} items, but the field takes one: select it, like [0]."
     if isinstance(value, list | np.ndarray | complex):
         return f"this is of type {name}, but the field takes one number: print it."
-    return ""
-
-
-def _whole_number_hint(value: object, kind: str, line: str) -> str:
-    """Return the hint for a line that rounds a float field's value with // or int( ), or ""."""
     if kind != "float" or not isinstance(value, int):
         return ""
     if "//" in line:

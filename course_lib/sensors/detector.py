@@ -185,27 +185,24 @@ class DetectorNode(Node):
         self.timer = self.create_timer(period, self.publish_detections)
 
     def publish_detections(self) -> None:
-        """Detect the objects at the current time, and publish the detections."""
+        """Detect the objects at the current time, and publish them with their tracks as ids."""
         now = self.get_clock().now()
         header = Header(stamp=now.to_msg(), frame_id=self.frame_id)
-        detected = self.detector.detect((now.nanoseconds - START_NS) * 1e-9)
-        detections = [detection_message(detection, header) for detection in detected]
-        self.publisher.publish(Detection3DArray(header=header, detections=detections))
-
-
-def detection_message(detection: Detection, header: Header) -> Detection3D:
-    """Return a detection as a message with one hypothesis. Its id is the track."""
-    message = Detection3D(header=header, id=str(detection.track))
-    _write(message.bbox.center.position, detection.transform_box_to_world[:3, 3])
-    for axis, value in zip("xyzw", quaternion(detection.transform_box_to_world[:3, :3]), strict=True):
-        setattr(message.bbox.center.orientation, axis, value)
-    _write(message.bbox.size, detection.size)
-    hypothesis = ObjectHypothesisWithPose()
-    hypothesis.hypothesis.class_id = detection.label
-    hypothesis.hypothesis.score = float(detection.confidence)
-    hypothesis.pose.pose = message.bbox.center
-    message.results = [hypothesis]
-    return message
+        messages = []
+        for detection in self.detector.detect((now.nanoseconds - START_NS) * 1e-9):
+            message = Detection3D(header=header, id=str(detection.track))
+            transform = detection.transform_box_to_world
+            _write(message.bbox.center.position, transform[:3, 3])
+            for axis, value in zip("xyzw", quaternion(transform[:3, :3]), strict=True):
+                setattr(message.bbox.center.orientation, axis, value)
+            _write(message.bbox.size, detection.size)
+            hypothesis = ObjectHypothesisWithPose()
+            hypothesis.hypothesis.class_id = detection.label
+            hypothesis.hypothesis.score = float(detection.confidence)
+            hypothesis.pose.pose = message.bbox.center
+            message.results = [hypothesis]
+            messages.append(message)
+        self.publisher.publish(Detection3DArray(header=header, detections=messages))
 
 
 def quaternion(rotation: Floats) -> tuple[float, ...]:

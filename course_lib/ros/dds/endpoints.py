@@ -385,7 +385,13 @@ class Reader(OwnEndpoint[MatchedWriter]):
         if partial is None:
             partial = PartialMessage(size, part_size)
             self.incomplete_size = size
-            self._free_memory(writer, partial.memory)
+            # The oldest incomplete messages, of this writer first, are dropped to limit the memory.
+            messages = (message for w in self.matched.values() for message in w.partial.values())
+            used = partial.memory + sum(message.memory for message in messages)
+            for other in (writer, *self.matched.values()):
+                while other.partial and (used > MAX_PARTIAL_BYTES or len(writer.partial) >= MAX_PARTIAL):
+                    used -= other.partial.pop(min(other.partial)).memory
+                    self.incomplete += 1
             writer.partial[number] = partial
         partial.add(first, count, payload)
         if not partial.missing:
@@ -401,14 +407,6 @@ class Reader(OwnEndpoint[MatchedWriter]):
             writer.has_restarted(sample.sequence, sample.sequence)
         is_new = sample.sequence >= writer.due and sample.sequence not in writer.pending
         return writer if is_new else None
-
-    def _free_memory(self, writer: MatchedWriter, size: int) -> None:
-        """Drop the oldest incomplete messages, of this writer first, to keep memory bounded."""
-        used = size + sum(message.memory for w in self.matched.values() for message in w.partial.values())
-        for other in (writer, *self.matched.values()):
-            while other.partial and (used > MAX_PARTIAL_BYTES or len(writer.partial) >= MAX_PARTIAL):
-                used -= other.partial.pop(min(other.partial)).memory
-                self.incomplete += 1
 
     def on_heartbeat(self, guid: bytes, first: int, last: int, count: int, *, is_final: bool) -> None:
         """Process a heartbeat, and request the missing messages that the writer still has.
@@ -439,7 +437,11 @@ class Reader(OwnEndpoint[MatchedWriter]):
         missing = [number for number in range(writer.due, end) if number not in writer.pending]
         for number in missing:
             if number in writer.partial:
-                self._request_fragments(writer, number)
+                fragments = writer.partial[number].missing
+                base = min(fragments)
+                bitmap = wire.number_bitmap(base, [n for n in fragments if n < base + wire.MAX_SET])
+                body = (sequence_number(number), struct.pack("<I", base), bitmap, self._count())
+                self._send_to(writer.endpoint, wire.NACK_FRAG, *body)
         writer.is_ack_due = not is_final
         if missing:
             whole = [number for number in missing if number not in writer.partial]
@@ -478,14 +480,6 @@ class Reader(OwnEndpoint[MatchedWriter]):
         is_fast_dds = writer.endpoint.guid[:2] == wire.FAST_DDS
         numbers = wire.number_set(0 if is_fast_dds else base, [])
         self._send_to(writer.endpoint, wire.ACKNACK, numbers, self._count())
-
-    def _request_fragments(self, writer: MatchedWriter, number: int) -> None:
-        missing = writer.partial[number].missing
-        first = min(missing)
-        fragments = [fragment for fragment in missing if fragment < first + wire.MAX_SET]
-        bitmap = wire.number_bitmap(first, fragments)
-        body = (sequence_number(number), struct.pack("<I", first), bitmap, self._count())
-        self._send_to(writer.endpoint, wire.NACK_FRAG, *body)
 
     def _send_acknack(self, writer: MatchedWriter, missing: list[int]) -> None:
         """Acknowledge all messages before the due one, and request the missing ones."""

@@ -378,7 +378,11 @@ class Participant:
                 next_announcement = now + (EAGER_SECONDS if self._eager_count else ANNOUNCE_SECONDS)
                 self._eager_count = max(0, self._eager_count - 1)
                 if not (self.remotes or self._eager_count):
-                    self._resolve_again()
+                    # The address of a missing robot's name may have changed.
+                    with contextlib.suppress(CourseError):
+                        peer = resolve(self._host)
+                        if peer != self._peer:
+                            self._peer = self.current_peer = peer
                 with self.lock:
                     self._announce(self._ports_of_robot())
                     for prefix, remote in tuple(self.remotes.items()):
@@ -402,13 +406,6 @@ class Participant:
             else:
                 with self._receiving:
                     self._receive_all(wait)
-
-    def _resolve_again(self) -> None:
-        """Resolve the name of a missing robot again, because its address may have changed."""
-        with contextlib.suppress(CourseError):
-            peer = resolve(self._host)
-            if peer != self._peer:
-                self._peer = self.current_peer = peer
 
     def receive_for(self, seconds: float) -> bool:
         """Receive in the calling thread until a datagram has arrived, at most for `seconds`.

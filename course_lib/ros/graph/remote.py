@@ -451,19 +451,20 @@ def _qos(values: list[Any]) -> Qos:
 
 
 class RemoteAlarm(Alarm):
-    """An event in the heap of the other process."""
+    """An event in the heap of the other process, by its number there."""
 
-    __slots__ = ("_notify",)
+    __slots__ = ("_graph", "_number")
 
-    def __init__(self, due_ns: int, action: Callable[[], None], notify: Callable[[], None]) -> None:
+    def __init__(self, due_ns: int, action: Callable[[], None], graph: "RemoteGraph", number: int) -> None:
         super().__init__(due_ns, action, node=0, entity=0)
-        self._notify = notify
+        self._graph, self._number = graph, number
 
     def cancel(self) -> None:
-        """Cancel the event in the other process."""
+        """Cancel the event in the other process, unless it has already run."""
         if not self.is_cancelled:
             super().cancel()
-            self._notify()
+            if self._graph._alarms.pop(self._number, None) is not None:
+                self._graph._channel.queue(["cancel", self._number])
 
 
 class RemoteGraph(Graph):
@@ -531,12 +532,7 @@ class RemoteGraph(Graph):
         """Schedule `action` for the time `due_ns`, as reported by the other process."""
         self._last_alarm += 1
         number = self._last_alarm
-
-        def cancel() -> None:
-            if self._alarms.pop(number, None) is not None:
-                self._channel.queue(["cancel", number])
-
-        alarm = self._alarms[number] = RemoteAlarm(due_ns, action, cancel)
+        alarm = self._alarms[number] = RemoteAlarm(due_ns, action, self, number)
         self._channel.queue(["alarm", number, due_ns, node, entity])
         return alarm
 

@@ -15,6 +15,8 @@ from course_lib.ros.messages.message import RosMessage, message_class, type_name
 
 # Accepts a builtin_interfaces/msg/Time.
 SetTime = Callable[[RosMessage], None]
+# The note that replaces an omitted string, with its length.
+_STRING_NOTE = "<string length: <{}>>"
 
 
 @dataclass
@@ -124,7 +126,7 @@ def to_csv(value: Any, style: PrintOptions) -> str:
         long = style.truncate is not None and len(value) > style.truncate
         return _join_values([*(to_csv(item, style) for item in value[: style.truncate]), *["..."] * long])
     if isinstance(value, str):
-        return _string_note(value) if style.no_strings else str(to_plain(value, style.truncate))
+        return _STRING_NOTE.format(len(value)) if style.no_strings else str(to_plain(value, style.truncate))
     return str(value)
 
 
@@ -148,7 +150,7 @@ def _insert_notes(value: Any, plain: Any, style: PrintOptions) -> Any:
             _insert_notes(*pair, style) for pair in zip(visible_items, plain, strict=False)
         ]
     elif isinstance(value, str) and style.no_strings:
-        return _string_note(value)
+        return _STRING_NOTE.format(len(value))
     return plain
 
 
@@ -156,10 +158,6 @@ def _items(message: RosMessage) -> Iterator[tuple[FieldDefinition, Any]]:
     for item in definition(type_name(message)).fields:
         if item.name in message.get_fields_and_field_types():
             yield item, getattr(message, item.name)
-
-
-def _string_note(value: str) -> str:
-    return f"<string length: <{len(value)}>>"
 
 
 def _array_note(value: Any, field: FieldDefinition, style: PrintOptions) -> str:

@@ -433,6 +433,7 @@ def type_hash(type_name: str) -> str:
 def describe_type(type_name: str) -> dict[str, dict[str, Any]]:
     """Describe a type and all types that it refers to, by name, as the structs that are hashed."""
     from rosbags.interfaces import Nodetype
+    from rosbags.typesys.store import TIDMAP
 
     store = _store_with(type_name)
     filler = [(_FILLER, (Nodetype.BASE, ("uint8", 0)))]
@@ -440,30 +441,25 @@ def describe_type(type_name: str) -> dict[str, dict[str, Any]]:
     waiting = [type_name]
     while waiting:
         name = waiting.pop()
-        fields = [_describe_field(*field) for field in store.fielddefs[name][1] or filler]
+        fields = []
+        for field, form in store.fielddefs[name][1] or filler:
+            capacity, more = 0, 0
+            if form[0] == Nodetype.ARRAY:
+                form, capacity, more = form[1][0], form[1][1], _ARRAY
+            elif form[0] == Nodetype.SEQUENCE:
+                form, capacity = form[1]
+                more = _BOUNDED if capacity else _UNBOUNDED
+            kind, detail = form
+            nested = detail if kind == Nodetype.NAME else ""
+            string_bound = 0 if nested or detail[0] != "string" else detail[1]
+            # The type ids of type_description_interfaces/msg/FieldType.
+            base = _NESTED if nested else TIDMAP["bounded_string" if string_bound else detail[0]]
+            sizes = {"capacity": capacity, "string_capacity": string_bound, "nested_type_name": nested}
+            fields.append({"name": field, "type": {"type_id": base + more, **sizes}})
         descriptions[name] = {"type_name": name, "fields": fields}
-        nested = {field["type"]["nested_type_name"] for field in fields} - {""}
-        waiting += sorted(nested - descriptions.keys())
+        nested_types = {field["type"]["nested_type_name"] for field in fields} - {""}
+        waiting += sorted(nested_types - descriptions.keys())
     return descriptions
-
-
-def _describe_field(name: str, form: Any) -> dict[str, Any]:
-    """Describe a field with the type ids of type_description_interfaces/msg/FieldType."""
-    from rosbags.interfaces import Nodetype
-    from rosbags.typesys.store import TIDMAP
-
-    capacity, more = 0, 0
-    if form[0] == Nodetype.ARRAY:
-        form, capacity, more = form[1][0], form[1][1], _ARRAY
-    elif form[0] == Nodetype.SEQUENCE:
-        form, capacity = form[1]
-        more = _BOUNDED if capacity else _UNBOUNDED
-    kind, detail = form
-    nested = detail if kind == Nodetype.NAME else ""
-    string_bound = 0 if nested or detail[0] != "string" else detail[1]
-    base = _NESTED if nested else TIDMAP["bounded_string" if string_bound else detail[0]]
-    sizes = {"capacity": capacity, "string_capacity": string_bound, "nested_type_name": nested}
-    return {"name": name, "type": {"type_id": base + more, **sizes}}
 
 
 def _store_with(type_name: str) -> "Typestore":

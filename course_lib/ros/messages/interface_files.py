@@ -273,15 +273,13 @@ def check_lines(text: str, source: str) -> None:
                 name = declaration["name"]
                 raise CourseError(f"{place}: the {kind} '{name}' is already defined above.")
             names.add(declaration["name"])
-        if (
-            declaration is not None
-            and declaration["default"]
-            and not _is_value_of(declaration["type"], declaration["default"])
-        ):
-            raise CourseError(
-                f"{source}, line {number}: {declaration['default']!r} is not a value of the type "
-                f"{declaration['type']}."
-            )
+        if declaration is not None and declaration["default"]:
+            try:
+                _parse_value(declaration["type"], declaration["default"])
+            except ValueError:
+                raise CourseError(
+                    f"{place}: {declaration['default']!r} is not a value of the type {declaration['type']}."
+                ) from None
         try:
             _parse("" if line.startswith("---") else line, "x")
         except TypesysError as error:
@@ -289,15 +287,6 @@ def check_lines(text: str, source: str) -> None:
                 f"{source}, line {number}: {line.strip()!r:.100} is neither a field, like `float64 "
                 "speed`, nor a constant, like `uint8 FAST=1`."
             ) from error
-
-
-def _is_value_of(kind: str, text: str) -> bool:
-    """Return whether the text of a constant or default is a value of a type."""
-    try:
-        _parse_value(kind, text)
-    except ValueError:
-        return False
-    return True
 
 
 def _parse_value(kind: str, text: str) -> Any:
@@ -651,23 +640,22 @@ class LazyTypes(MutableMapping[str, Any]):
         self._files = {name: file for file in sorted(files) for name in type_names_in(file)}
 
     def __getitem__(self, name: str) -> Any:
-        if name not in self._known:
-            if name in self._table.types:
-                self._known[name] = to_rosbags_form(self._table.types[name])
-            elif name in self._files:
-                self._add(self._files[name])
+        if name in self._known:
+            return self._known[name]
+        if name in self._table.types:
+            self._known[name] = to_rosbags_form(self._table.types[name])
+        elif name in self._files:
+            file = self._files[name]
+            text = self._texts[file]
+            checksum, types, defaults = self._table.files.get(file, (None, {}, {}))
+            if checksum == crc32(text.encode()):
+                self._known |= {each: to_rosbags_form(definition) for each, definition in types.items()}
+                for each, fields in defaults.items():
+                    self._defaults |= {(each, field): value for field, value in fields.items()}
+            else:
+                self._known |= parse_interface(text, file)
+                self._defaults |= parse_defaults(text, file)
         return self._known[name]
-
-    def _add(self, file: str) -> None:
-        text = self._texts[file]
-        checksum, types, defaults = self._table.files.get(file, (None, {}, {}))
-        if checksum == crc32(text.encode()):
-            self._known |= {name: to_rosbags_form(definition) for name, definition in types.items()}
-            for name, fields in defaults.items():
-                self._defaults |= {(name, field): value for field, value in fields.items()}
-        else:
-            self._known |= parse_interface(text, file)
-            self._defaults |= parse_defaults(text, file)
 
     def __setitem__(self, name: str, fields: Any) -> None:
         self._known[name] = fields

@@ -94,23 +94,6 @@ def scalar_check(field: FieldDefinition, primitive: Primitive) -> Check:
     return check_number
 
 
-def collection_check(field: FieldDefinition, item: type, primitive: Primitive | None) -> Check:
-    """Return the check of a sequence or array of `item`. `primitive` has the range of numbers."""
-    ranged = primitive if primitive is not None and primitive.range_noun else None
-
-    def fits(value: Any) -> bool:
-        return (
-            (isinstance(value, Sequence | Set) or (isinstance(value, np.ndarray) and value.ndim == 1))
-            and not isinstance(value, str | UserString)
-            and _is_valid_length(value, field)
-            and all(isinstance(element, item) for element in value)
-            and (not field.string_bound or all(len(element) <= field.string_bound for element in value))
-            and (ranged is None or all(_is_in_range(element, ranged) for element in value))
-        )
-
-    return make_check(field, _describe_collection(field, item, primitive), fits)
-
-
 def numbers_check(field: FieldDefinition, primitive: Primitive) -> Check:
     """Return the check of a sequence of numbers: by type code for an array.array, else by element.
 
@@ -120,6 +103,7 @@ def numbers_check(field: FieldDefinition, primitive: Primitive) -> Check:
     element_types = _CONVERTED[primitive.python]
     elements = _describe_collection(field, primitive.python, primitive)
     ranged = primitive if primitive.range_noun else None
+    numpy_kinds = "iuf" if primitive.python is float else "iu"
 
     def fits(value: Any) -> bool:
         return (
@@ -141,26 +125,12 @@ def numbers_check(field: FieldDefinition, primitive: Primitive) -> Check:
         ):
             # Bytes are always in range, and an image has a hundred thousand of them.
             return
-        elif not (isinstance(value, np.ndarray) and _are_valid_numbers(value, field, primitive)):
-            check_elements(value)
-
-    return check
-
-
-def block_check(field: FieldDefinition, primitive: Primitive) -> Check:
-    """Return the check of an array of fixed length: by dtype for a numpy array, else by element."""
-    check_elements = numbers_check(field, primitive)
-
-    def check(value: Any) -> None:
-        if not isinstance(value, np.ndarray):
-            check_elements(value)
-        elif value.dtype.kind not in ("iuf" if primitive.python is float else "iu"):
-            dtype = f"numpy.{primitive.dtype.name}"
-            raise AssertionError(f"The '{field.name}' numpy.ndarray() must have the dtype of '{dtype}'")
-        elif value.shape != (field.size,):
-            # This includes matrices, of which Jazzy sends one column and undefined bytes.
-            raise AssertionError(f"The '{field.name}' numpy.ndarray() must have a size of {field.size}")
-        elif value.dtype != primitive.dtype:
+        elif isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in numpy_kinds:
+            # If both ends of its values are in range, all of them are.
+            ends = [value.min(), value.max()] if value.size and primitive.python is int else []
+            if not (_is_valid_length(value, field) and all(_is_in_range(end, primitive) for end in ends)):
+                check_elements(value)
+        else:
             check_elements(value)
 
     return check
@@ -176,17 +146,6 @@ def _is_valid_length(value: Collection[Any], field: FieldDefinition) -> bool:
     if field.container == "array":
         return len(value) == field.size
     return not field.size or len(value) <= field.size
-
-
-def _are_valid_numbers(
-    value: "np.ndarray[Any, Any]",
-    field: FieldDefinition,
-    primitive: Primitive,
-) -> bool:
-    if value.ndim != 1 or value.dtype.kind not in ("iuf" if primitive.python is float else "iu"):
-        return False
-    ends = [value.min(), value.max()] if value.size and primitive.python is int else []
-    return all(_is_in_range(end, primitive) for end in ends) and _is_valid_length(value, field)
 
 
 def _describe_collection(field: FieldDefinition, item: type, primitive: Primitive | None) -> str:
@@ -221,13 +180,6 @@ class Kind:
 
 def kind_of(field: FieldDefinition) -> Kind:
     """Return a field's kind, with the default of its definition."""
-    kind = _kind_of_type(field)
-    if field.default is None or field.container == "scalar":
-        return kind
-    return replace(kind, default=lambda: (kind.construct or list)(field.default))
-
-
-def _kind_of_type(field: FieldDefinition) -> Kind:
     if field.is_message:
         item = message_class(field.base)
         if field.container == "scalar":
@@ -242,8 +194,12 @@ def _kind_of_type(field: FieldDefinition) -> Kind:
         exact = primitive.python if is_double or is_free else None
         return Kind(default, scalar_check(field, primitive), exact=exact)
     if primitive.code:
-        return (_array_kind if field.container == "array" else _sequence_kind)(field, primitive)
-    return _list_kind(field, primitive.python, primitive)
+        kind = (_array_kind if field.container == "array" else _sequence_kind)(field, primitive)
+    else:
+        kind = _list_kind(field, primitive.python, primitive)
+    if field.default is None:
+        return kind
+    return replace(kind, default=lambda: (kind.construct or list)(field.default))
 
 
 def _default_factory(primitive: Primitive) -> Callable[[], Any]:
@@ -273,24 +229,52 @@ def _sequence_kind(field: FieldDefinition, primitive: Primitive) -> Kind:
 def _array_kind(field: FieldDefinition, primitive: Primitive) -> Kind:
     """Return the kind of a numeric array of fixed length, stored as a numpy array.
 
-    An assigned numpy array of the right type is stored without a copy.
+    An assigned numpy array of the right type is stored without a copy. It is checked by its dtype and
+    shape, any other value by its elements.
     """
     dtype = primitive.dtype
+    check_elements = numbers_check(field, primitive)
+
+    def check(value: Any) -> None:
+        if not isinstance(value, np.ndarray):
+            check_elements(value)
+        elif value.dtype.kind not in ("iuf" if primitive.python is float else "iu"):
+            raise AssertionError(
+                f"The '{field.name}' numpy.ndarray() must have the dtype of 'numpy.{dtype.name}'"
+            )
+        elif value.shape != (field.size,):
+            # This includes matrices, of which Jazzy sends one column and undefined bytes.
+            raise AssertionError(f"The '{field.name}' numpy.ndarray() must have a size of {field.size}")
+        elif value.dtype != dtype:
+            check_elements(value)
+
     return Kind(
         default=lambda: np.zeros(field.size, dtype),
-        check=block_check(field, primitive),
+        check=check,
         construct=lambda value: np.array(value, dtype),
         keep=lambda value: np.asarray(value, dtype),
     )
 
 
 def _list_kind(field: FieldDefinition, item: type, primitive: Primitive | None) -> Kind:
-    """Return the kind of a list of messages or strings.
+    """Return the kind of a list of messages or strings. `primitive` has the range of numbers.
 
     The list is stored by reference, so elements that a program appends are checked only when it is
     sent.
     """
-    check = collection_check(field, item, primitive)
+    ranged = primitive if primitive is not None and primitive.range_noun else None
+
+    def fits(value: Any) -> bool:
+        return (
+            (isinstance(value, Sequence | Set) or (isinstance(value, np.ndarray) and value.ndim == 1))
+            and not isinstance(value, str | UserString)
+            and _is_valid_length(value, field)
+            and all(isinstance(element, item) for element in value)
+            and (not field.string_bound or all(len(element) <= field.string_bound for element in value))
+            and (ranged is None or all(_is_in_range(element, ranged) for element in value))
+        )
+
+    check = make_check(field, _describe_collection(field, item, primitive), fits)
     send, receive = _LISTS.get(field.base, (None, None))
 
     is_free = field.container == "sequence" and not field.size and not field.string_bound
@@ -397,8 +381,30 @@ class _SlotTypes:
     """A descriptor for the fields' types as objects of rosidl_parser, created on access."""
 
     def __get__(self, message: object, kind: type["RosMessage"]) -> tuple[Any, ...]:
-        fields = definition(kind._TYPE_NAME).fields
-        return tuple(slot_type(field) for field in fields if field.name != PLACEHOLDER)
+        from course_lib.ros.messages import idl
+
+        types: list[Any] = []
+        for field in definition(kind._TYPE_NAME).fields:
+            single: idl.AbstractNestableType
+            if field.name == PLACEHOLDER:
+                continue
+            if field.is_message:
+                package, folder, name = field.base.split("/")
+                single = idl.NamespacedType([package, folder], name)
+            elif field.base == "string":
+                bound = field.string_bound
+                single = idl.BoundedString(bound) if bound else idl.UnboundedString()
+            else:
+                single = idl.BasicType(PRIMITIVES[field.base].ros_name)
+            if field.container == "scalar":
+                types.append(single)
+            elif field.container == "array":
+                types.append(idl.Array(single, field.size))
+            elif field.size:
+                types.append(idl.BoundedSequence(single, field.size))
+            else:
+                types.append(idl.UnboundedSequence(single))
+        return tuple(types)
 
 
 class _MessageMeta(type):
@@ -504,25 +510,6 @@ def module_of_type(type_name: str) -> str:
     return f"{package}.{folder}._{snake_case}"
 
 
-def slot_type(field: FieldDefinition) -> Any:
-    """Return a field's type as an object of rosidl_parser."""
-    from course_lib.ros.messages import idl
-
-    single: idl.AbstractNestableType
-    if field.is_message:
-        package, folder, name = field.base.split("/")
-        single = idl.NamespacedType([package, folder], name)
-    elif field.base == "string":
-        single = idl.BoundedString(field.string_bound) if field.string_bound else idl.UnboundedString()
-    else:
-        single = idl.BasicType(PRIMITIVES[field.base].ros_name)
-    if field.container == "scalar":
-        return single
-    if field.container == "array":
-        return idl.Array(single, field.size)
-    return idl.BoundedSequence(single, field.size) if field.size else idl.UnboundedSequence(single)
-
-
 def ros_type(field: FieldDefinition) -> str:
     """Return a field's type as get_fields_and_field_types() does."""
     if field.is_message:
@@ -583,16 +570,11 @@ def message_class(type_name: str) -> type[RosMessage]:
     # As in ROS, each class has a metaclass, whose name is in Python's errors about the class, and
     # whose properties protect the constants.
     values = {**message_definition.constants, **defaults}
-    protected = {constant: _constant(value) for constant, value in values.items()}
+    protected = {constant: property(lambda cls, value=value: value) for constant, value in values.items()}
     home = {"__module__": namespace["__module__"]}
     metaclass = type(f"Metaclass_{name}", (_MessageMeta,), {**home, **protected})
     created: type[RosMessage] = metaclass(name, (RosMessage,), {**namespace, **values, **accessors})
     return created
-
-
-def _constant(value: object) -> property:
-    """Return the property of a metaclass for a constant, which cannot be assigned."""
-    return property(lambda cls: value)
 
 
 def type_name(message: RosMessage | type[RosMessage]) -> str:

@@ -65,30 +65,31 @@ def write_stubs(standin: Path) -> list[Path]:
 
 
 def stubs() -> dict[Path, str]:
-    """Return the content of each stub by its path relative to the stand-in's folder."""
-    modules: dict[Path, list[MessageDefinition]] = {}
+    """Return the content of each stub by its path relative to the stand-in's folder.
+
+    There is one for the messages of a package, one for its services and one for its actions.
+    """
+    messages_by_folder: dict[Path, list[MessageDefinition]] = {}
     for type_name in type_names():
-        modules.setdefault(Path(type_name).parent, []).append(definition(type_name))
-    return {module / "__init__.pyi": _module_stub(messages) for module, messages in modules.items()}
-
-
-def _module_stub(messages: list[MessageDefinition]) -> str:
-    """Return the stub of a package's messages, services or actions."""
-    body = "".join(f"\n{_class(message)}" for message in messages)
-    bases = {field.base for message in messages for field in message.fields if field.is_message}
-    modules = {base.rsplit("/", 1)[0].replace("/", ".") for base in bases}
-    body += "".join(f"\n{text}" for text in _container_stubs(messages, SERVICE_PARTS))
-    actions = _container_stubs(messages, ACTION_PARTS)
-    if actions:
-        body += "".join(f"\n{text}{_IMPL.format(name=text.split()[1][:-1])}" for text in actions)
-        modules |= {"action_msgs.msg", "action_msgs.srv"}
-    blocks = (
-        [line for word, line in _STANDARD if word in body],
-        [line for word, line in _NUMPY if word in body],
-        sorted([_BASE, *(f"import {module}" for module in modules)]),
-    )
-    imports = "\n\n".join("\n".join(block) for block in blocks if block)
-    return f"{_HEADER}\n{imports}\n{body}"
+        messages_by_folder.setdefault(Path(type_name).parent, []).append(definition(type_name))
+    texts: dict[Path, str] = {}
+    for folder, messages in messages_by_folder.items():
+        body = "".join(f"\n{_class(message)}" for message in messages)
+        bases = {field.base for message in messages for field in message.fields if field.is_message}
+        modules = {base.rsplit("/", 1)[0].replace("/", ".") for base in bases}
+        body += "".join(f"\n{text}" for text in _container_stubs(messages, SERVICE_PARTS))
+        actions = _container_stubs(messages, ACTION_PARTS)
+        if actions:
+            body += "".join(f"\n{text}{_IMPL.format(name=text.split()[1][:-1])}" for text in actions)
+            modules |= {"action_msgs.msg", "action_msgs.srv"}
+        blocks = (
+            [line for word, line in _STANDARD if word in body],
+            [line for word, line in _NUMPY if word in body],
+            sorted([_BASE, *(f"import {module}" for module in modules)]),
+        )
+        imports = "\n\n".join("\n".join(block) for block in blocks if block)
+        texts[folder / "__init__.pyi"] = f"{_HEADER}\n{imports}\n{body}"
+    return texts
 
 
 def _container_stubs(messages: list[MessageDefinition], parts: tuple[str, ...]) -> list[str]:
@@ -108,16 +109,17 @@ def _class(message: MessageDefinition) -> str:
         name: repr(value).replace("'", '"') for name, value in {**message.constants, **defaults}.items()
     }
     body = [f"{name}: Final = {literal}" for name, literal in constants.items()]
+    parameters = ["self", "*"]
     for field in fields:
-        stored_type, accepted_type = _stored_type(field), _accepted_type(field)
+        stored_type, accepted_type = _types_of(field)
+        parameters.append(f"{field.name}: {accepted_type} = ...")
         if stored_type == accepted_type:
             body.append(f"{field.name}: {stored_type}")
         else:
             # A field that accepts more types than it returns is a property.
             body += ["@property", f"def {field.name}(self) -> {stored_type}: ..."]
             body += [f"@{field.name}.setter", f"def {field.name}(self, value: {accepted_type}) -> None: ..."]
-    values = [f"{field.name}: {_accepted_type(field)} = ..." for field in fields]
-    parameters = ["self", "*", *values, "check_fields: bool = ..."]
+    parameters.append("check_fields: bool = ...")
     line = f"def __init__({', '.join(parameters)}) -> None: ..."
     if len(line) <= _WIDTH:
         body.append(line)
@@ -127,27 +129,22 @@ def _class(message: MessageDefinition) -> str:
     return f"class {name}(RosMessage):\n" + "".join(f"    {line}\n" for line in body)
 
 
-def _item(field: FieldDefinition) -> str:
-    return field.base.replace("/", ".") if field.is_message else PRIMITIVES[field.base].python.__name__
-
-
-def _is_packed(field: FieldDefinition) -> bool:
-    """Return whether the field's values are stored as array.array or numpy.ndarray."""
-    return field.container != "scalar" and not field.is_message and bool(PRIMITIVES[field.base].code)
-
-
-def _stored_type(field: FieldDefinition) -> str:
+def _types_of(field: FieldDefinition) -> tuple[str, str]:
+    """Return the type of a field's stored values, and the types of values that it accepts."""
+    if field.is_message:
+        item, is_packed = field.base.replace("/", "."), False
+    else:
+        primitive = PRIMITIVES[field.base]
+        # Whether the values are stored as array.array or numpy.ndarray.
+        item, is_packed = primitive.python.__name__, bool(primitive.code)
     if field.container == "scalar":
-        return _item(field)
-    if not _is_packed(field):
-        return f"list[{_item(field)}]"
+        return item, item
+    if not is_packed:
+        return f"list[{item}]", f"list[{item}]"
+    accepted_type = f"Sequence[{item}] | NDArray[Any]"
     if field.container == "sequence":
-        return f"array[{_item(field)}]"
-    return f"NDArray[np.{PRIMITIVES[field.base].dtype.name}]"
-
-
-def _accepted_type(field: FieldDefinition) -> str:
-    return f"Sequence[{_item(field)}] | NDArray[Any]" if _is_packed(field) else _stored_type(field)
+        return f"array[{item}]", accepted_type
+    return f"NDArray[np.{PRIMITIVES[field.base].dtype.name}]", accepted_type
 
 
 def write_table(file: Path = FILE) -> None:

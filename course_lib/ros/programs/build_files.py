@@ -376,7 +376,11 @@ class _CMake:
                     self._macros[name.lower()] = _CMakeMacro(parameters, _body(rest, kind))
                 case "foreach", [variable, *values]:
                     body = _body(rest, "foreach")
-                    for item in self._items(values):
+                    items = [value for value in values if value not in ("IN", "ITEMS")]
+                    if "LISTS" in values:
+                        lists = values[values.index("LISTS") + 1 :]
+                        items = [item for name in lists for item in self.variables.get(name, [])]
+                    for item in items:
                         self._budget -= 1
                         yield from self._run_with({variable: [item]}, body)
                 case name, _ if name in self._macros:
@@ -397,13 +401,6 @@ class _CMake:
         if self._budget > 0:
             yield from self.run(body)
         self.variables.update(outer_values)
-
-    def _items(self, values: list[str]) -> list[str]:
-        """Return the items of `foreach(variable values…)`."""
-        if "LISTS" in values:
-            lists = values[values.index("LISTS") + 1 :]
-            return [item for name in lists for item in self.variables.get(name, [])]
-        return [value for value in values if value not in ("IN", "ITEMS")]
 
 
 def _body(commands: "deque[tuple[str, str]]", kind: str) -> list[tuple[str, str]]:

@@ -458,7 +458,15 @@ class LaunchProgram(Process):
                     )
                 inner = entity.visit(self._context)
             except Exception as error:
-                reason = "" if self._is_strict else _skip_reason(entity, error)
+                # The reason to continue without the entity; "" if the launch file is wrong.
+                if self._is_strict:
+                    reason = ""
+                elif isinstance(error, packages.NotAvailableError | PackageNotFoundError):
+                    reason = str(error)
+                elif isinstance(entity, IncludeLaunchDescription) and isinstance(error, ModuleNotFoundError):
+                    reason = hint(error) or str(error)
+                else:
+                    reason = packages.reason_in(str(error))
                 if not reason:
                     # The location at which the innermost failing action was created.
                     location = getattr(entity, "_course_location", None) or getattr(
@@ -601,15 +609,6 @@ def prepare_imports(file: Path) -> None:
     # For launch files that run xacro as a subprocess: its command, and the packages of $(find …).
     packages.prepend_paths("PATH", [Path(sysconfig.get_path("scripts"))])
     packages.prepend_paths("PYTHONPATH", [import_path.STANDIN])
-
-
-def _skip_reason(entity: object, error: Exception) -> str:
-    """Return the reason to continue without an entity; "" if the launch file is wrong."""
-    if isinstance(error, packages.NotAvailableError | PackageNotFoundError):
-        return str(error)
-    if isinstance(entity, IncludeLaunchDescription) and isinstance(error, ModuleNotFoundError):
-        return hint(error) or str(error)
-    return packages.reason_in(str(error))
 
 
 def arguments_of(file: Path) -> str:

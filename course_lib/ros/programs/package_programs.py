@@ -85,7 +85,12 @@ def find_executable(
         is_partly_here = any(owner == package for owner, _ in kit_executables)
         subject = f"executable '{executable}' of package" if is_partly_here else "package"
         raise NotAvailableError(f"{subject} '{package}' not found: {why}")
-    if package_found is not None and _is_built_by_other_macros(package_found):
+    if (
+        package_found is not None
+        and not (package_found.executables or package_found.compiled)
+        and (package_found.share / "CMakeLists.txt").is_file()
+        and any(file.suffix in (".cpp", ".cc", ".cxx") for file in package_found.share.rglob("*.c*"))
+    ):
         raise NotAvailableError(
             f"'{executable}' of package '{package_found.name}' cannot run here: the package has "
             "sources in C++ and "
@@ -120,13 +125,6 @@ def _warn_of_faults(package: Package) -> None:
         if warning not in _warned:
             _warned.add(warning)
             sys.stderr.write(warning)
-
-
-def _is_built_by_other_macros(package: Package) -> bool:
-    """Return whether a package has only C++ programs whose names are not in its CMake files."""
-    if package.executables or package.compiled or not (package.share / "CMakeLists.txt").is_file():
-        return False
-    return any(file.suffix in (".cpp", ".cc", ".cxx") for file in package.share.rglob("*.c*"))
 
 
 def find_component(package: str, plugin: str, kit_executables: Executables) -> Callable[[], object]:

@@ -89,22 +89,16 @@ def _flatten(mapping: Any, prefix: str) -> Iterator[tuple[str, Any]]:
     if not isinstance(mapping, yaml.MappingNode):
         raise ValueError(f"No value at line {mapping.start_mark.line + 1}")
     for key, value in mapping.value:
-        name = f"{prefix}{key.value}"
+        name, inner = f"{prefix}{key.value}", value
+        # The only item of a list, or of nested lists with one item each.
+        while isinstance(inner, yaml.SequenceNode):
+            inner = inner.value[0] if len(inner.value) == 1 else None
         if isinstance(value, yaml.MappingNode):
             yield from _flatten(value, f"{name}.")
-        elif isinstance(value, yaml.SequenceNode) and isinstance(
-            inner := _only_item(value), yaml.MappingNode
-        ):
+        elif isinstance(inner, yaml.MappingNode):
             yield from _flat_in_list(inner, f"{name}.")
         else:
             yield name, _value(value)
-
-
-def _only_item(value: Any) -> Any:
-    """Return the only item of a list, or of nested lists with one item each, or None."""
-    while isinstance(value, yaml.SequenceNode):
-        value = value.value[0] if len(value.value) == 1 else None
-    return value
 
 
 def _flat_in_list(mapping: yaml.MappingNode, prefix: str) -> Iterator[tuple[str, Any]]:
@@ -155,18 +149,15 @@ def _scalar(node: yaml.ScalarNode) -> bool | int | float | str:
         raise ValueError(f"No value at line {node.start_mark.line + 1}")
     if text in _TRUE | _FALSE:
         return text in _TRUE
-    if _INTEGER.fullmatch(text) and -(2**63) <= (number := _integer(text)) < 2**63:
-        return number
+    if _INTEGER.fullmatch(text):
+        # As in C, 0x… is hexadecimal, and a leading 0 means octal if possible.
+        digits = text.lstrip("+-")
+        base = 16 if digits[:2] in ("0x", "0X") else 8 if re.fullmatch("0[0-7]+", digits) else 10
+        if -(2**63) <= (number := int(text, base)) < 2**63:
+            return number
     try:
         real = float(re.sub(r"^([+-]?)\.(?=[infaINFA]{3}$)", r"\1", text))
     except ValueError:
         return text
     is_out_of_range = math.isinf(real) and any(character.isdigit() for character in text)
     return text if "_" in text or is_out_of_range else real
-
-
-def _integer(text: str) -> int:
-    """Parse an integer as C does: 0x… is hexadecimal, and a leading 0 means octal if possible."""
-    digits = text.lstrip("+-")
-    base = 16 if digits[:2] in ("0x", "0X") else 8 if re.fullmatch("0[0-7]+", digits) else 10
-    return int(text, base)

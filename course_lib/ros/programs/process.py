@@ -70,20 +70,17 @@ class Process:
             if not (isinstance(error, ShutDown) and current_graph().ended):
                 print_error(error)
                 self.exit_code = 1
-        if not (self.exit_code or was_explained() or isinstance(self, NotebookProgram)):
-            self._report_slips()
-
-    def _report_slips(self) -> None:
-        """Print hints about nodes with timers or subscriptions that were not spun, and unused arguments."""
-        counts = current_graph().state(ProgramNodes).callbacks
-        if unspun := [name for name, count in counts.items() if count > 0]:
+        if self.exit_code or was_explained() or isinstance(self, NotebookProgram):
+            return
+        # Nodes with timers or subscriptions that were not spun.
+        nodes = current_graph().state(ProgramNodes)
+        if unspun := [name for name, count in nodes.callbacks.items() if count > 0]:
             sys.stderr.write(
                 f"{self.file.name} ended without a spin of {join_words(unspun)}.\nhint: timers and "
                 "subscriptions call their functions only while the node is spun, as by rclpy.spin(node).\n"
             )
         # ROS ignores arguments without effect.
-        slips = (slip for find in current_graph().state(ProgramNodes).find_slips for slip in find())
-        for slip in dict.fromkeys(slips):
+        for slip in dict.fromkeys(slip for find in nodes.find_slips for slip in find()):
             sys.stderr.write(f"hint: {self.file.name}: {slip}\n")
 
 

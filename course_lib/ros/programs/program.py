@@ -154,7 +154,7 @@ def _keep_interpreter_state() -> Iterator[None]:
     threading.excepthook = print_error_of_thread
     with keep_signal_handlers():
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-            signal.signal(signal.SIGINT, _exit_on_second_interrupt())
+            signal.signal(signal.SIGINT, partial(_exit_on_second_interrupt, []))
         try:
             yield
         finally:
@@ -165,22 +165,20 @@ def _keep_interpreter_state() -> Iterator[None]:
             threading.excepthook = threading.__excepthook__
 
 
-def _exit_on_second_interrupt() -> Callable[[int, FrameType | None], None]:
-    """Return a handler of SIGINT: the first one interrupts as usual, the second ends the process."""
-    signals: list[int] = []
+def _exit_on_second_interrupt(signals: list[int], number: int, frame: FrameType | None) -> None:
+    """Handle SIGINT: the first one interrupts as usual, the second ends the process.
 
-    def handle(number: int, frame: FrameType | None) -> None:
-        signals.append(number)
-        if len(signals) > 1:
-            sys.stderr.write("Stopped at once.\n")
-            sys.stderr.flush()
-            os._exit(130)
-        if frame is not None and is_student_file(frame.f_code.co_filename):
-            line = format_location(frame.f_code.co_filename, frame.f_lineno)
-            sys.stderr.write(
-                f"interrupted in {line}\nhint: robot time passes only in calls of ROS, in time.sleep and in "
-                "loops that do nothing. A loop that waits needs a line like time.sleep(0.01).\n"
-            )
-        signal.default_int_handler(number, frame)
-
-    return handle
+    `signals` keeps the signals that have been received.
+    """
+    signals.append(number)
+    if len(signals) > 1:
+        sys.stderr.write("Stopped at once.\n")
+        sys.stderr.flush()
+        os._exit(130)
+    if frame is not None and is_student_file(frame.f_code.co_filename):
+        line = format_location(frame.f_code.co_filename, frame.f_lineno)
+        sys.stderr.write(
+            f"interrupted in {line}\nhint: robot time passes only in calls of ROS, in time.sleep and in "
+            "loops that do nothing. A loop that waits needs a line like time.sleep(0.01).\n"
+        )
+    signal.default_int_handler(number, frame)

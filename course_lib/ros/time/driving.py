@@ -362,33 +362,6 @@ def drive_threads() -> None:
         drive_between_cells(graph)
 
 
-class _ViewerPresence:
-    """Determines whether anyone can see the states of live runs.
-
-    That is assumed while a page shows a view, and for a short time after each cell. Each update of
-    a state is a message, and JupyterHub never considers a kernel that sends messages idle.
-    """
-
-    def __init__(self) -> None:
-        # The number of executed cells.
-        self._cell_count = -1
-        # Time at which the last cell was executed [s].
-        self._last_cell_at = 0.0
-        self.was_present = True
-
-    def update_states(self, runs: Sequence[LiveRun]) -> None:
-        """Update the states in the cells as long as someone may see them."""
-        ipython = sys.modules.get("IPython")
-        cells = getattr(ipython and ipython.get_ipython(), "execution_count", 0)
-        if cells != self._cell_count:
-            self._cell_count, self._last_cell_at = cells, wall.monotonic()
-        is_recent = wall.monotonic() - self._last_cell_at < RECENTLY
-        was_present = self.was_present
-        self.was_present = is_recent or any(is_shown() for is_shown in tuple(pace.views))
-        for run in runs if was_present else ():
-            run.show_state("" if self.was_present else "goes on")
-
-
 class _LiveLoop:
     """The task that drives a graph's live runs in real time, as long as there are any.
 
@@ -400,7 +373,10 @@ class _LiveLoop:
         self._graph = graph
         self._live = graph.state(_LiveRuns)
         self._wall_pace = pace.WallPace(graph)
-        self._presence = _ViewerPresence()
+        # The number of executed cells, and the time at which the last cell was executed [s].
+        self._cell_count, self._last_cell_at = -1, 0.0
+        # Whether someone may have seen the states at their last update.
+        self._was_visible = True
 
     async def run(self) -> None:
         """Drive step by step. An exception of a callback, or ■, stops the runs."""
@@ -410,7 +386,7 @@ class _LiveLoop:
                 self._live.stop_finished_runs()
                 if self._should_continue():
                     self._step()
-                self._presence.update_states(tuple(self._live.runs))
+                self._update_states()
         finally:
             live_interrupts.ignore()
 
@@ -446,6 +422,22 @@ class _LiveLoop:
                 run.stop()
         if live_interrupts.was_pressed:
             self._on_interrupt(runs, "")
+
+    def _update_states(self) -> None:
+        """Update the states in the cells as long as someone may see them.
+
+        That is assumed while a page shows a view, and for a short time after each cell. Each update
+        is a message, and JupyterHub never considers a kernel that sends messages idle.
+        """
+        ipython = sys.modules.get("IPython")
+        cells = getattr(ipython and ipython.get_ipython(), "execution_count", 0)
+        if cells != self._cell_count:
+            self._cell_count, self._last_cell_at = cells, wall.monotonic()
+        is_recent = wall.monotonic() - self._last_cell_at < RECENTLY
+        was_visible = self._was_visible
+        self._was_visible = is_recent or any(is_shown() for is_shown in tuple(pace.views))
+        for run in tuple(self._live.runs) if was_visible else ():
+            run.show_state("" if self._was_visible else "goes on")
 
     def _on_interrupt(self, runs: tuple[LiveRun, ...], line: str) -> None:
         """Stop the runs whose Stop button was clicked, or all of them if ■ was pressed."""

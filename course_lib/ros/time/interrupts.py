@@ -90,16 +90,10 @@ class Watch:
         self.running_callback: Callback | None = None
         self.report: Callable[[Callback, str], None] = write_once
         # Times at which Stop was clicked while a callback ran.
-        self._clicks: list[float] = []
+        self.clicks: list[float] = []
         # Number of threads that the watch has started: 1 after the first callback.
         self.threads = 0
         self._started = False
-
-    @property
-    def is_stop_pending(self) -> bool:
-        """True if an interrupt was raised because of a click on Stop, not by the user's ■."""
-        callback = self.running_callback
-        return bool(self._clicks) or (callback is not None and callback.stop_requested_since is not None)
 
     def interrupt_callback(self) -> None:
         """Interrupt the running callback, if there is one, until it ends."""
@@ -125,11 +119,11 @@ class Watch:
     def stopping(self) -> Iterator[None]:
         """Interrupt the main thread in the block if a callback for which Stop waits does not end."""
         click_time = wall.monotonic()
-        self._clicks.append(click_time)
+        self.clicks.append(click_time)
         try:
             yield
         finally:
-            self._clicks.remove(click_time)
+            self.clicks.remove(click_time)
 
     def _watch_callbacks(self, is_running: _thread.LockType) -> None:
         is_running.release()
@@ -138,7 +132,7 @@ class Watch:
             callback = self.running_callback
             if callback is None:
                 continue
-            requests = [*self._clicks, *filter(None, [callback.stop_requested_since])]
+            requests = [*self.clicks, *filter(None, [callback.stop_requested_since])]
             if requests and wall.monotonic() - min(requests) > A_MOMENT:
                 interrupt_main_thread()
             line = line_of_thread(callback.ident) if callback.seconds > PATIENCE else ""
@@ -182,8 +176,11 @@ class LiveInterrupts:
             real_signal(signal.SIGINT, signal.SIG_IGN)
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
-        self.was_pressed = self.was_pressed or not watch.is_stop_pending
-        if self._in_step and (watch.running_callback is not None or not time_lock.is_held_by_caller()):
+        callback = watch.running_callback
+        # A click on Stop raises the same signal as ■.
+        was_stop = bool(watch.clicks) or (callback is not None and callback.stop_requested_since is not None)
+        self.was_pressed = self.was_pressed or not was_stop
+        if self._in_step and (callback is not None or not time_lock.is_held_by_caller()):
             _interrupt(number, frame)
 
 

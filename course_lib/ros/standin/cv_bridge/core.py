@@ -54,11 +54,6 @@ class Encoding:
         """OpenCV's number for the type of a pixel."""
         return list(DEPTHS).index(self.depth) + ((self.channels - 1) << 3)
 
-    @property
-    def cv_name(self) -> str:
-        """OpenCV's name for the type of a pixel, such as 8UC3."""
-        return f"{self.depth}C{self.channels}"
-
 
 def encoding_of(name: str) -> Encoding:
     """Return the encoding with this name. Raise a RuntimeError if there is none."""
@@ -90,7 +85,10 @@ def convert(pixels: Pixels, source: str, target: str) -> Pixels:
         return pixels.copy()
     old, new = encoding_of(source), encoding_of(target)
     if old.order and new.order:
-        if new.order not in _targets(old.order):
+        targets = {"mono", "rgb", "bgr"}
+        targets |= set() if old.order.startswith("bayer") else {"rgba", "bgra"}
+        targets |= {"yuv422"} if old.order == "yuv422" else set()
+        if new.order not in targets:
             raise RuntimeError(f"Unsupported conversion from [{old.name}] to [{new.name}]")
     elif new.order:
         raise RuntimeError(
@@ -107,12 +105,6 @@ def convert(pixels: Pixels, source: str, target: str) -> Pixels:
         return _convert_depth(pixels, old, new)
     converted = _convert_colors(pixels, old, new)
     return converted if old.bits == new.bits else _convert_depth(converted, old, new)
-
-
-def _targets(order: str) -> tuple[str, ...]:
-    if order.startswith("bayer"):
-        return ("mono", "rgb", "bgr")
-    return ("mono", "rgb", "bgr", "rgba", "bgra", *(("yuv422",) if order == "yuv422" else ()))
 
 
 def _convert_depth(pixels: Pixels, old: Encoding, new: Encoding) -> Pixels:
@@ -135,9 +127,14 @@ def _convert_colors(pixels: Pixels, old: Encoding, new: Encoding) -> Pixels:
             return _gray(planes, _BAYER_GRAY, 16).astype(pixels.dtype)
         planes = {name: (plane + 2) >> 2 for name, plane in planes.items()}
     elif old.order in _PARTS:
+        chroma, luma = _PARTS[old.order]
         if new.order == "mono":
-            return pixels[..., _PARTS[old.order][1]].copy()
-        planes = _yuv_planes(pixels, *_PARTS[old.order])
+            return pixels[..., luma].copy()
+        # In a 4:2:2 image, two neighboring pixels share U and V.
+        bright = np.maximum(pixels[..., luma].astype(np.int64) - 16, 0) * _LUMA
+        u, v = (np.repeat(pixels[:, start::2, chroma].astype(np.int64) - 128, 2, axis=1) for start in (0, 1))
+        sums = {name: bright + u * for_u + v * for_v for name, (for_u, for_v) in _CHROMA.items()}
+        planes = {name: np.clip((total + (1 << 19)) >> 20, 0, 255) for name, total in sums.items()}
     elif old.order == "mono":
         planes = dict.fromkeys("rgb", pixels)
     else:
@@ -153,14 +150,6 @@ def _gray(planes: Mapping[str, Pixels], weights: Mapping[str, int], bits: int) -
     rows = [planes[name].astype(np.int64) * weight for name, weight in weights.items()]
     total: Pixels = np.sum(rows, axis=0)
     return (total + (1 << bits - 1)) >> bits
-
-
-def _yuv_planes(pixels: Pixels, chroma: int, luma: int) -> dict[str, Pixels]:
-    """Return the color planes of a 4:2:2 image, in which two neighboring pixels share U and V."""
-    bright = np.maximum(pixels[..., luma].astype(np.int64) - 16, 0) * _LUMA
-    u, v = (np.repeat(pixels[:, start::2, chroma].astype(np.int64) - 128, 2, axis=1) for start in (0, 1))
-    sums = {name: bright + u * for_u + v * for_v for name, (for_u, for_v) in _CHROMA.items()}
-    return {name: np.clip((total + (1 << 19)) >> 20, 0, 255) for name, total in sums.items()}
 
 
 def _bayer_planes(pixels: Pixels, pattern: str) -> dict[str, Pixels]:
@@ -209,8 +198,12 @@ class CvBridge:
     def __init__(self) -> None:
         self.numpy_type_to_cvtype = {name: depth for depth, name in DEPTHS.items()} | DEPTHS
         self.cvdepth_to_numpy_depth = dict(enumerate(DEPTHS.values()))
-        generic = [Encoding("", "", depth, channels) for depth in DEPTHS for channels in range(1, 5)]
-        self.cvtype_to_name = {encoding.cv_type: encoding.cv_name for encoding in generic}
+        # OpenCV's names for the types of pixels, such as 8UC3, by number.
+        self.cvtype_to_name = {
+            Encoding("", "", depth, channels).cv_type: f"{depth}C{channels}"
+            for depth in DEPTHS
+            for channels in range(1, 5)
+        }
 
     def dtype_with_channels_to_cvtype2(self, dtype: "np.dtype[Any]", n_channels: int) -> str:
         """Return OpenCV's name for a type, such as 8UC3.

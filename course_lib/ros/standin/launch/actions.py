@@ -167,42 +167,48 @@ class ResetEnvironment(Action):
         super().__init__(lambda context: _replace(os.environ, context.environment_at_start), **options)
 
 
-class PushLaunchConfigurations(Action):
+class _PushOrPop(Action):
+    """Pushes one of the launch's states onto a stack, or restores the one that was pushed last."""
+
+    kind = ""
+    is_pop = False
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+
+    def execute(self, context: LaunchContext) -> None:
+        """Push or restore the state."""
+        state, stack = _STATES[self.kind](context), context.kept.setdefault(self.kind, [])
+        if not self.is_pop:
+            stack.append(dict(state))
+        elif not stack:
+            raise RuntimeError(f"no {self.kind} to bring back: push them before they are popped")
+        else:
+            _replace(state, stack.pop())
+
+
+class PushLaunchConfigurations(_PushOrPop):
     """Pushes the launch configurations onto a stack. PopLaunchConfigurations restores them."""
 
-    def __init__(self, **options: Any) -> None:
-        super().__init__(partial(_push, "launch configurations"), **options)
+    kind = "launch configurations"
 
 
-class PopLaunchConfigurations(Action):
+class PopLaunchConfigurations(_PushOrPop):
     """Restores the launch configurations that were pushed last."""
 
-    def __init__(self, **options: Any) -> None:
-        super().__init__(partial(_pop, "launch configurations"), **options)
+    kind, is_pop = "launch configurations", True
 
 
-class PushEnvironment(Action):
+class PushEnvironment(_PushOrPop):
     """Pushes the environment onto a stack. PopEnvironment restores it."""
 
-    def __init__(self, **options: Any) -> None:
-        super().__init__(partial(_push, "environment"), **options)
+    kind = "environment"
 
 
-class PopEnvironment(Action):
+class PopEnvironment(_PushOrPop):
     """Restores the environment that was pushed last."""
 
-    def __init__(self, **options: Any) -> None:
-        super().__init__(partial(_pop, "environment"), **options)
-
-
-def _push(kind: str, context: LaunchContext) -> None:
-    context.kept.setdefault(kind, []).append(dict(_STATES[kind](context)))
-
-
-def _pop(kind: str, context: LaunchContext) -> None:
-    if not context.kept.get(kind):
-        raise RuntimeError(f"no {kind} to bring back: push them before they are popped")
-    _replace(_STATES[kind](context), context.kept[kind].pop())
+    kind, is_pop = "environment", True
 
 
 def _replace(state: MutableMapping[str, Any], former: Mapping[str, Any]) -> None:

@@ -161,22 +161,6 @@ class ClockHandle:
             handle.after(jump)
 
 
-class _Sleep:
-    """A sleep until a time of a clock, [ns], which a jump of the clock can end."""
-
-    def __init__(self, clock: ClockHandle, until_ns: int) -> None:
-        self._clock = clock
-        self._until_ns = until_ns
-        # Whether the clock's time source has changed, after which the deadline has no meaning.
-        self.changed = False
-        self.is_over = False
-
-    def on_jump(self, jump: TimeJump) -> None:
-        """End the sleep if its deadline has passed or the clock's time source has changed."""
-        self.changed |= jump.clock_change is not ClockChange.ROS_TIME_NO_CHANGE
-        self.is_over = self.changed or self._clock.now_ns >= self._until_ns
-
-
 _WAKES = JumpThreshold(min_forward=Duration(nanoseconds=1), min_backward=None)
 
 
@@ -232,15 +216,24 @@ class Clock:
             raise NotInitializedException
         if until.clock_type != self.clock_type:
             raise ValueError("until's clock type does not match this clock's type")
-        sleep, overridden = _Sleep(self.handle, until.nanoseconds), self.handle.is_overridden
+        overridden, is_over = self.handle.is_overridden, False
+        # Whether the clock's time source has changed, after which the deadline has no meaning.
+        has_changed = False
+
+        def on_jump(jump: TimeJump) -> None:
+            """End the sleep if its deadline has passed or the clock's time source has changed."""
+            nonlocal has_changed, is_over
+            has_changed |= jump.clock_change is not ClockChange.ROS_TIME_NO_CHANGE
+            is_over = has_changed or self.handle.now_ns >= until.nanoseconds
+
         awaited = f"{self!r}.sleep_until{', which follows /clock' if overridden else ''}"
-        with time_lock.hold(), self.create_jump_callback(_WAKES, post_callback=sleep.on_jump):
+        with time_lock.hold(), self.create_jump_callback(_WAKES, post_callback=on_jump):
             time_lock.wait(
-                lambda: sleep.is_over or context.is_shut_down,
+                lambda: is_over or context.is_shut_down,
                 until_ns=None if overridden else until.nanoseconds,
                 awaited=awaited,
             )
-        return context.is_valid and not sleep.changed and self.handle.now_ns >= until.nanoseconds
+        return context.is_valid and not has_changed and self.handle.now_ns >= until.nanoseconds
 
     def sleep_for(self, rel_time: Duration, context: Context | None = None) -> bool:
         """Sleep for a duration; otherwise like `sleep_until`."""

@@ -1,7 +1,6 @@
 """Quality of service (QoS): policies that publishers offer and subscriptions request."""
 
 import warnings
-from collections.abc import Iterator
 from enum import Enum, IntEnum
 from typing import Any
 
@@ -64,44 +63,34 @@ class QoSCompatibility(IntEnum):
 
 def qos_check_compatible(publisher_qos: Any, subscription_qos: Any) -> tuple[QoSCompatibility, str]:
     """Return whether two QoS profiles are compatible, and the reasons if they are not."""
-    errors = list(_errors(publisher_qos, subscription_qos))
-    if errors:
-        return QoSCompatibility.ERROR, "".join(f"ERROR: {text};" for text in errors)
-    doubts = list(_doubts(publisher_qos, subscription_qos))
-    level = QoSCompatibility.WARNING if doubts else QoSCompatibility.OK
-    return level, "".join(f"WARNING: {text};" for text in doubts)
-
-
-def _doubts(publisher: Any, subscription: Any) -> Iterator[str]:
-    for policy, (requested, of_publisher, offered, of_subscription) in _DOUBTS.items():
-        publisher_value, subscription_value = (
-            getattr(publisher, policy).name,
-            getattr(subscription, policy).name,
-        )
-        if publisher_value in _OPEN and subscription_value in _OPEN:
-            # This misspelling is ROS's own.
-            spelled = "durabilty" if policy == "durability" else policy
-            description = (
-                f"is {publisher_value.lower()} and subscription {policy} is {subscription_value.lower()}"
-            )
-            yield f"Publisher {spelled} {description}"
-        elif publisher_value in _OPEN and subscription_value == requested:
-            yield of_publisher.format(publisher_value.lower())
-        elif publisher_value == offered and subscription_value in _OPEN:
-            yield of_subscription.format(subscription_value.lower())
-
-
-def _errors(publisher: Any, subscription: Any) -> Iterator[str]:
+    both = publisher_qos, subscription_qos
+    errors: list[str] = []
     for policy, offer, request, text in _CLASHES:
-        if (getattr(publisher, policy).name, getattr(subscription, policy).name) == (offer, request):
-            yield text
+        if tuple(getattr(qos, policy).name for qos in both) == (offer, request):
+            errors.append(text)
         if policy in _TIMES:
             name, missing, shorter = _TIMES[policy]
-            offered, requested = (getattr(qos, name).nanoseconds for qos in (publisher, subscription))
-            if requested and not offered:
-                yield missing
-            elif requested and requested < offered:
-                yield shorter
+            offered_ns, requested_ns = (getattr(qos, name).nanoseconds for qos in both)
+            if requested_ns and not offered_ns:
+                errors.append(missing)
+            elif requested_ns and requested_ns < offered_ns:
+                errors.append(shorter)
+    if errors:
+        return QoSCompatibility.ERROR, "".join(f"ERROR: {text};" for text in errors)
+    doubts: list[str] = []
+    for policy, (requested, of_publisher, offered, of_subscription) in _DOUBTS.items():
+        publisher, subscription = (getattr(qos, policy).name for qos in both)
+        if publisher in _OPEN and subscription in _OPEN:
+            # This misspelling is ROS's own.
+            spelled = "durabilty" if policy == "durability" else policy
+            description = f"is {publisher.lower()} and subscription {policy} is {subscription.lower()}"
+            doubts.append(f"Publisher {spelled} {description}")
+        elif publisher in _OPEN and subscription == requested:
+            doubts.append(of_publisher.format(publisher.lower()))
+        elif publisher == offered and subscription in _OPEN:
+            doubts.append(of_subscription.format(subscription.lower()))
+    level = QoSCompatibility.WARNING if doubts else QoSCompatibility.OK
+    return level, "".join(f"WARNING: {text};" for text in doubts)
 
 
 # ruff: noqa: N818 - the names are ROS's

@@ -129,7 +129,7 @@ class ServiceEnd(Entity):
 
     def _course_partner_count(self) -> int:
         """Return the number of matched subscriptions on the other side."""
-        return self.__ends[0].require()._course_partner_count()
+        return len(self.__ends[0].require().partners())
 
     def _course_send(self, header: tuple[int, int], message: RosMessage) -> None:
         """Send a request, as a client, or a response, as a service.

@@ -61,7 +61,17 @@ class Subscription(Entity, TopicEnd[MsgT]):
 
     @callback.setter
     def callback(self, value: Callable[..., object]) -> None:
-        self.__takes_info = _takes_info(value)
+        # Whether it accepts a MessageInfo as second argument.
+        for count in (1, 2):
+            with suppress(TypeError):
+                inspect.signature(value).bind(*[None] * count)
+                self.__takes_info = count == 2
+                break
+        else:
+            raise RuntimeError(
+                "Subscription.__init__(): callback should be either be callable with one argument"
+                "(to get only the message) or two (to get message and message info)"
+            )
         self.__callback = value
 
     def _course_is_ready(self) -> bool:
@@ -110,15 +120,3 @@ class Subscription(Entity, TopicEnd[MsgT]):
         if not full:
             self._course_node.mark_ready(self)
             self._course_node.record_work()
-
-
-def _takes_info(callback: Callable[..., object]) -> bool:
-    """Return whether a callback accepts a MessageInfo as second argument."""
-    for count in (1, 2):
-        with suppress(TypeError):
-            inspect.signature(callback).bind(*[None] * count)
-            return count == 2
-    raise RuntimeError(
-        "Subscription.__init__(): callback should be either be callable with one argument"
-        "(to get only the message) or two (to get message and message info)"
-    )

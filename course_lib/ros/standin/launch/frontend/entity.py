@@ -117,15 +117,18 @@ class YamlEntity(_Element):
         inner = self._value.get("children") if isinstance(self._value, dict) else self._value
         if not isinstance(inner, list):
             raise self.error("expected a list of elements, or a mapping with one behind `children:`")
-        return [self._child(child) for child in inner]
-
-    def _child(self, value: Any) -> "YamlEntity":
-        line = self._lines.get(id(value), self.line)
-        if not isinstance(value, dict) or len(value) != 1:
-            raise EntityError(line, f"{str(value)[:60]} in <{self.type_name}>: expected one element, as in "
-                              "`- node: {pkg: turtlesim, exec: turtlesim_node}`")  # fmt: skip
-        [(name, inner)] = value.items()
-        return YamlEntity(str(name), line, inner, self._lines)
+        children = []
+        for value in inner:
+            line = self._lines.get(id(value), self.line)
+            if not isinstance(value, dict) or len(value) != 1:
+                raise EntityError(
+                    line,
+                    f"{str(value)[:60]} in <{self.type_name}>: expected one element, as in "
+                    "`- node: {pkg: turtlesim, exec: turtlesim_node}`",
+                )
+            [(name, content)] = value.items()
+            children.append(YamlEntity(str(name), line, content, self._lines))
+        return children
 
     def named(self, name: str) -> "Sequence[YamlEntity]":
         """Return the mappings in the list of a key."""

@@ -97,7 +97,13 @@ class ServerGoalHandle:
 
         Another type raises a TypeError without a message, as in rclpy.
         """
-        self._action_server._course_publish_feedback(self, feedback)
+        server = self._action_server
+        if not isinstance(feedback, server.action_type.Feedback):
+            raise marked(TypeError(), Mistake.FEEDBACK)
+        # A goal that has been destroyed publishes nothing.
+        if self.status != GoalStatus.STATUS_UNKNOWN:
+            message = server.action_type.Impl.FeedbackMessage(goal_id=self.goal_id, feedback=feedback)
+            server._course_feedback.publish(message)
 
     def succeed(self) -> None:
         """Set the final state SUCCEEDED: the goal was reached."""
@@ -225,11 +231,11 @@ class ActionServer:
         self.__ends_ns: dict[bytes, int] = {}
         impl, self.__base = action_type.Impl, f"{action_name}/_action"
         feedback, feedback_qos = impl.FeedbackMessage, feedback_pub_qos_profile
-        self.__feedback = node.create_publisher(feedback, f"{self.__base}/feedback", feedback_qos)
+        self._course_feedback = node.create_publisher(feedback, f"{self.__base}/feedback", feedback_qos)
         self.__status = node.create_publisher(
             GoalStatusArray, f"{self.__base}/status", status_pub_qos_profile
         )
-        self.__ends: list[Any] = [self.__feedback, self.__status]
+        self.__ends: list[Any] = [self._course_feedback, self.__status]
         self.__serve("send_goal", impl.SendGoalService, self.__take_goal, goal_service_qos_profile, group)
         self.__serve("cancel_goal", CancelGoal, self.__cancel_goals, cancel_service_qos_profile, group)
         result_qos = result_service_qos_profile
@@ -285,14 +291,6 @@ class ActionServer:
     def action_type(self) -> Any:
         """The class of the action."""
         return self._action_type
-
-    def _course_publish_feedback(self, goal: ServerGoalHandle, feedback: Any) -> None:
-        """Publish feedback for a goal that has not been destroyed."""
-        if not isinstance(feedback, self.action_type.Feedback):
-            raise marked(TypeError(), Mistake.FEEDBACK)
-        if goal.status != GoalStatus.STATUS_UNKNOWN:
-            message = self.action_type.Impl.FeedbackMessage(goal_id=goal.goal_id, feedback=feedback)
-            self.__feedback.publish(message)
 
     def _course_notify_state(self, goal: ServerGoalHandle) -> None:
         """Publish the status of all goals.

@@ -249,21 +249,18 @@ def _add(parsed: Arguments, flag: str, value: str) -> None:
             raise ValueError("Expected name:=value" if flag == "--param" else "Expected from:=to")
         node, match, to = rule.group("node", "match", "to")
         if flag == "--param":
-            _check_parameter_name(match)
+            # The errors of rcl's parser for the first character that a parameter name cannot contain.
+            wrong = re.search(r"[^\w./]", match, re.ASCII)
+            if re.match(r"[^A-Za-z_~/]", match):
+                raise ValueError("Expecting token or wildcard")
+            if wrong is not None:
+                at = wrong.start()
+                raise ValueError(f"Expected lexeme type (22) not found, search ended at index {at}")
             parsed.overrides.append((f"/**/{node}" if node else "/**", {match: read_value(to)}))
         else:
             _check_remap(match, to)
             kind = _SCHEMES.get(rule["kind"] or "")
             parsed.remaps.append(Remap(node, "__node" if match == "__name" else match, to, kind))
-
-
-def _check_parameter_name(name: str) -> None:
-    """Raise the error of rcl's parser for the first character that a parameter name cannot contain."""
-    wrong = re.search(r"[^\w./]", name, re.ASCII)
-    if re.match(r"[^A-Za-z_~/]", name):
-        raise ValueError("Expecting token or wildcard")
-    if wrong is not None:
-        raise ValueError(f"Expected lexeme type (22) not found, search ended at index {wrong.start()}")
 
 
 def _check_remap(match: str, to: str) -> None:

@@ -57,10 +57,6 @@ class Endpoint:
                 side.matched(-1)
         self.node.graph.remove_endpoint(self.id)
 
-    def _course_partner_count(self) -> int:
-        """Return the number of matched endpoints."""
-        return len(self.partners())
-
     def partners(self) -> list[tuple[EndpointInfo, EndpointInfo]]:
         """List (publisher, subscription) for each matched endpoint."""
         alike = [pair for pair in self._pairs() if pair[0].type_name == pair[1].type_name]
@@ -151,7 +147,7 @@ class TopicEnd(Generic[MsgT]):
 
     def _course_partner_count(self) -> int:
         """Return the number of matched endpoints."""
-        return self.handle.require()._course_partner_count()
+        return len(self.handle.require().partners())
 
     def destroy(self) -> None:
         """Leave the topic.

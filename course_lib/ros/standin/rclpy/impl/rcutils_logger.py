@@ -151,17 +151,6 @@ class CallSite:
     options: dict[str, Any]
     context: dict[str, Any] = field(default_factory=dict)
 
-    def passes_filters(self, options: dict[str, Any]) -> bool:
-        """Return whether a call passes the filters, evaluated in the order of the options.
-
-        Raise a ValueError if its options have changed.
-        """
-        for option, value in options.items():
-            if value != self.options[option]:
-                raise ValueError(f"{option} cannot be changed between calls.")
-        filters = options["Requested logging filters"]
-        return all(supported_filters[name].should_log(self.context) for name in filters)
-
 
 class RcutilsLogger:
     """A logger. The logger `a.b` inherits the level of `a`."""
@@ -221,13 +210,17 @@ class RcutilsLogger:
             frame = frame.f_back
         key = (frame.f_code.co_filename, frame.f_code.co_name, frame.f_lineno, frame.f_lasti)
         options = _collect_options(severity, name, kwargs)
+        filters = [supported_filters[each] for each in options["Requested logging filters"]]
         site = self.__sites.get(key)
         if site is None:
             site = CallSite(options)
-            for each in options["Requested logging filters"]:
-                supported_filters[each].initialize_context(site.context, **kwargs)
+            for each in filters:
+                each.initialize_context(site.context, **kwargs)
             self.__sites[key] = site
-        if not site.passes_filters(options):
+        for option, value in options.items():
+            if value != site.options[option]:
+                raise ValueError(f"{option} cannot be changed between calls.")
+        if not all(each.should_log(site.context) for each in filters):
             return False
         _write(severity, name, _text(message), frame)
         return True

@@ -478,20 +478,16 @@ class LifecycleNodeMixin(ManagedEntity):
         result = self.__execute_callback(before)
         machine.go(result.to_label())
         if machine.label == "active":
-            self.__report_disabled_publishers()
+            # Publishers that stay disabled drop messages although the node is active.
+            publishers = [one for one in self.__managed_entities if isinstance(one, LifecyclePublisher)]
+            if topics := [one.topic_name for one in publishers if not one.is_activated]:
+                say(
+                    f"hint: the node is active, and {join_words(topics)} drops all messages: end "
+                    "on_activate with return super().on_activate(state)."
+                )
         if result is TransitionCallbackReturn.ERROR:
             machine.go(self.__execute_callback(before).to_label())
         return result
-
-    def __report_disabled_publishers(self) -> None:
-        """Print a hint about publishers that drop messages although the node is active."""
-        publishers = [one for one in self.__managed_entities if isinstance(one, LifecyclePublisher)]
-        topics = [one.topic_name for one in publishers if not one.is_activated]
-        if topics:
-            say(
-                f"hint: the node is active, and {join_words(topics)} drops all messages: end "
-                "on_activate with return super().on_activate(state)."
-            )
 
     def __execute_callback(self, before: LifecycleState) -> TransitionCallbackReturn:
         """Call the callback of the current transition state."""
