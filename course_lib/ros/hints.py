@@ -564,7 +564,7 @@ def _order_hint(error: BaseException, text: str) -> str:
     if not re.search(texts, text):
         return ""
     for caller, _ in walk_tb(error.__traceback__):
-        # The method of a node that the frame runs, or the class of the action's end that it creates.
+        # The method of a node that the frame runs, or the class of an action's end.
         call, variables = caller.f_code.co_name, caller.f_locals
         call = type(variables.get("self")).__name__ if call == "__init__" else call
         if call in _CREATE_CALLS:

@@ -542,8 +542,8 @@ def _module_attribute_hint(module: ModuleType, name: str, frame: FrameType | Non
 def _misplaced_hint(name: str, cls: type) -> str:
     """Return the hint for a name that a class lacks, because it is defined elsewhere, or "".
 
-    A method may be after its class or inside another method, and an attribute may be a variable that
-    a method sets without self.
+    A method may be after its class or inside another method, and an attribute may be a variable
+    that a method sets without self.
     """
     codes = {key: method.__code__ for key, method in vars(cls).items() if isinstance(method, FunctionType)}
     for outer, code in codes.items():

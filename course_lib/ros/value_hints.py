@@ -132,7 +132,7 @@ def _nested_message_hint(value: object, kind: str, field: re.Match[str] | None) 
 
 
 def _number_hint(value: object, kind: str, text: str, line: str) -> str:
-    """Return the hint for a number field that is set to a number-like value, such as a string, or "".
+    """Return the hint for a number field that is set to a similar value, such as a string, or "".
 
     A line may round the value of a float field with // or int( ).
     """

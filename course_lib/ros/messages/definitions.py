@@ -441,8 +441,9 @@ def describe_type(type_name: str) -> dict[str, dict[str, Any]]:
     waiting = [type_name]
     while waiting:
         name = waiting.pop()
-        fields = []
-        for field, form in store.fielddefs[name][1] or filler:
+        fields: list[dict[str, Any]] = []
+        for field, stored_form in store.fielddefs[name][1] or filler:
+            form: Any = stored_form
             capacity, more = 0, 0
             if form[0] == Nodetype.ARRAY:
                 form, capacity, more = form[1][0], form[1][1], _ARRAY

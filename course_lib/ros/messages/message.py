@@ -229,8 +229,8 @@ def _sequence_kind(field: FieldDefinition, primitive: Primitive) -> Kind:
 def _array_kind(field: FieldDefinition, primitive: Primitive) -> Kind:
     """Return the kind of a numeric array of fixed length, stored as a numpy array.
 
-    An assigned numpy array of the right type is stored without a copy. It is checked by its dtype and
-    shape, any other value by its elements.
+    An assigned numpy array of the right type is stored without a copy. It is checked by its dtype
+    and shape, any other value by its elements.
     """
     dtype = primitive.dtype
     check_elements = numbers_check(field, primitive)
@@ -570,11 +570,16 @@ def message_class(type_name: str) -> type[RosMessage]:
     # As in ROS, each class has a metaclass, whose name is in Python's errors about the class, and
     # whose properties protect the constants.
     values = {**message_definition.constants, **defaults}
-    protected = {constant: property(lambda cls, value=value: value) for constant, value in values.items()}
+    protected = {constant: _constant(value) for constant, value in values.items()}
     home = {"__module__": namespace["__module__"]}
     metaclass = type(f"Metaclass_{name}", (_MessageMeta,), {**home, **protected})
     created: type[RosMessage] = metaclass(name, (RosMessage,), {**namespace, **values, **accessors})
     return created
+
+
+def _constant(value: object) -> property:
+    """Return the property of a metaclass for a constant, which cannot be assigned."""
+    return property(lambda cls: value)
 
 
 def type_name(message: RosMessage | type[RosMessage]) -> str:

@@ -249,7 +249,7 @@ def _add(parsed: Arguments, flag: str, value: str) -> None:
             raise ValueError("Expected name:=value" if flag == "--param" else "Expected from:=to")
         node, match, to = rule.group("node", "match", "to")
         if flag == "--param":
-            # The errors of rcl's parser for the first character that a parameter name cannot contain.
+            # The errors of rcl's parser for a character that a parameter name cannot contain.
             wrong = re.search(r"[^\w./]", match, re.ASCII)
             if re.match(r"[^A-Za-z_~/]", match):
                 raise ValueError("Expecting token or wildcard")
