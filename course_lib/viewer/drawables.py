@@ -400,6 +400,9 @@ Part: TypeAlias = tuple[Any, Matrix]
 
 FORMATS = ("dae", "stl", "obj", "ply")
 
+_END_OF_DAE = b"</COLLADA>"
+_BARE_AMPERSAND = re.compile(rb"&(?!#?\w+;)")
+_TAG_IN_ATTRIBUTE = re.compile(rb'="[^"<]*<[^"]*"')
 # Material bindings of a DAE file. pycollada drops parts with a broken material, RViz does not.
 _PAINT = re.compile(rb"<bind_material>.*?</bind_material>", re.S)
 # Color of a file without colors.
@@ -472,6 +475,11 @@ def parse_mesh(
     _check_format(file_format)
     if data.startswith(LFS_POINTER):
         raise MeshFileError(f"This is not a {file_format.upper()} file: {NOT_FETCHED}.")
+    if file_format == "dae":
+        # Exporters leave these faults, which RViz's reader of XML ignores.
+        document, end, _ = data.lstrip().partition(_END_OF_DAE)  # zeros follow, or an older file
+        data = _BARE_AMPERSAND.sub(b"&amp;", document + end)
+        data = _TAG_IN_ATTRIBUTE.sub(lambda match: match[0].replace(b"<", b"&lt;"), data)
     try:
         scene, parts = _read(data, file_format, folder)
         if not parts and _PAINT.search(data):

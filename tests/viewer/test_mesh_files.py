@@ -137,6 +137,15 @@ def test_texture_of_dae_is_sampled_at_the_vertices(tmp_path: Path) -> None:
     assert (load_mesh(tmp_path / "quad.dae").colors == 1).all()
 
 
+def test_dae_file_with_faults_that_rviz_ignores_is_read() -> None:
+    sound = parse_mesh(DAE.encode(), "dae")
+    named = DAE.replace("<node", '<node name="<STL_BINARY> of A&B"', 1)
+    for text in (f"\n {DAE}", f"{DAE}{3 * chr(0)}", f"{DAE}{chr(0)}{DAE[-99:]}", named):
+        mesh = parse_mesh(text.encode(), "dae")
+        assert (mesh.vertices == sound.vertices).all()
+        assert (mesh.colors == sound.colors).all()
+
+
 def test_missing_texture_prints_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "m.mtl").write_text("newmtl m\nmap_Kd gone.png\n")
     corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.1 0.5\nvt 0.9 0.5\nvt 0.2 0.9"
