@@ -1,11 +1,13 @@
 """The frozen outcomes of probes and small programs, against the real rclpy itself."""
 
 import os
+from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
-from tests.real_ros.renew import frozen_outcomes, outcomes_after_interrupt, outcomes_of_probes
+from tests.real_ros.renew import AT_ONCE, frozen_outcomes, outcomes_after_interrupt, outcomes_of_probes
 
 HERE = Path(__file__).parent
 PYTHON = os.environ.get("REAL_ROS_PYTHON", "")
@@ -17,9 +19,24 @@ pytestmark = [
 ]
 
 
+Running = dict[str, Future[dict[str, str]]]
+
+
+@pytest.fixture(scope="module")
+def running(request: pytest.FixtureRequest) -> Iterator[Running]:
+    """The outcomes of the selected files, of which several run at a time: most probes wait."""
+    selected = [item.name.partition("[")[2].rstrip("]") for item in request.session.items]
+    with ThreadPoolExecutor(AT_ONCE) as threads:
+        yield {
+            file: threads.submit(outcomes_of_probes, PYTHON, HERE / "probes" / f"{file}.py")
+            for file in FILES
+            if file in selected
+        }
+
+
 @pytest.mark.parametrize("file", FILES)
-def test_real_rclpy_gives_the_frozen_outcomes(file: str) -> None:
-    assert outcomes_of_probes(PYTHON, HERE / "probes" / f"{file}.py") == frozen_outcomes(file)
+def test_real_rclpy_gives_the_frozen_outcomes(file: str, running: Running) -> None:
+    assert running[file].result() == frozen_outcomes(file)
 
 
 def test_real_rclpy_ends_programs_as_in_the_frozen_outcomes() -> None:
