@@ -110,6 +110,7 @@ def _dump(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def _load(source: Source, arguments: Namespace, write: Write) -> None:
+    import yaml
     from rclpy.parameter import parameter_dict_from_yaml_file
 
     try:
@@ -119,8 +120,12 @@ def _load(source: Source, arguments: Namespace, write: Write) -> None:
         raise CourseError(
             f"{file} cannot be read: {error.strerror}. `ros2 param dump` writes such a file."
         ) from error
-    except RuntimeError as error:
-        raise CourseError(f"{error}. `ros2 param dump` writes such a file.") from error
+    except (RuntimeError, AttributeError, TypeError, ValueError, yaml.YAMLError) as error:
+        problem = " ".join(str(error).split())
+        raise CourseError(
+            f"{arguments.parameter_file} is not a parameter file: {problem}. "
+            "`ros2 param dump` writes such a file."
+        ) from error
     with parameter_client(source, arguments.node_name) as ask:
         results = ask("set_parameters", list(parameters.values())).results
     for name, result in zip(parameters, results, strict=True):

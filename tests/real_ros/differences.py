@@ -30,8 +30,21 @@ _ENUMERATIONS = (
 )
 _FOREVER, _FIELD = "Waiting forever", "A field of the wrong type"
 _NUMBERS = "Arrays of numbers"
+_THREADS = "An exception in a callback of a MultiThreadedExecutor"
+_TYPES = "`GetParameterTypes` for an unknown parameter of a node with `allow_undeclared_parameters`"
 # By file and probe.
 PROBES: dict[str, dict[str, Difference]] = {
+    "asking": {
+        "client.types_unknown_allowed": Difference(_TYPES, "types=[0, 2]"),
+        "client.get_text": Difference(_FIELD, "The 'names' field must be a set or sequence"),
+    },
+    "checked": {
+        f"unchecked.{name}": Difference(_FIELD, "The 'x' field must be of type 'float'")
+        for name in ("nested_is_not_checked", "nested_is_checked")
+    },
+    "failing": {
+        "in_threads_without_another_callback": Difference(_THREADS, "OwnError: own text"),
+    },
     "destroyed": {
         "shut_down.spin_once": Difference(_AFTER_THE_END, _NOT_INITIALIZED),
         "shut_down.add_to_executor": Difference(_AFTER_THE_END, _NOT_INITIALIZED),

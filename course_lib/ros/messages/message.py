@@ -73,7 +73,8 @@ def scalar_check(field: FieldDefinition, primitive: Primitive) -> Check:
         return make_check(field, rule, lambda value: isinstance(value, bytes | bytearray) and len(value) == 1)
     if max_length:
         rule = f"string value not longer than {max_length}"
-        return make_check(field, rule, lambda value: isinstance(value, str) and len(value) <= max_length)
+        kinds = str | UserString
+        return make_check(field, rule, lambda value: isinstance(value, kinds) and len(value) <= max_length)
     if not primitive.range_noun:
         return make_check(field, f"of type '{python.__name__}'", lambda value: isinstance(value, python))
     article = "an" if python is int else "a"

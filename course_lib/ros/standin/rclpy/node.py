@@ -277,6 +277,10 @@ class Node:
         """The node's handle in the graph."""
         return self.__handle
 
+    @handle.setter
+    def handle(self, value: object) -> None:
+        raise AttributeError("handle cannot be modified after node creation")
+
     def __usable(self, failed: str = "") -> NodeHandle:
         """Return the handle for an rcl call.
 

@@ -143,28 +143,43 @@ def parameter_dict_from_yaml_file(
     target_nodes: list[str] | None = None,
     namespace: str = "",
 ) -> dict[str, ParameterMsg]:
-    """Read a parameter file as `--params-file` does, for `target_nodes` or for all nodes.
+    """Read a parameter file for `target_nodes`, whose names are those in the file, or for all nodes.
+
+    PyYAML reads it, whose rules differ from the rules of rcl for `--params-file`.
 
     Raises:
         RuntimeError: The file is not a parameter file or has no values for these nodes; the text is
             rclpy's.
     """
-    from course_lib.ros.programs.parameter_yaml import read_file  # YAML is needed only here
+    # Imported late, because only this function and the one above need YAML.
+    import yaml
 
-    try:
-        nodes = dict(read_file(parameter_file))
-    except ValueError as error:
-        if isinstance(error.__cause__, OSError):
-            raise error.__cause__ from None
-        raise RuntimeError(f"{parameter_file} is not a valid ROS parameter file: {error}") from error
-    missing = [name for name in target_nodes or () if name not in nodes]
-    if missing:
-        raise RuntimeError(
-            f"Param file does not contain parameters for {missing[0]},only for nodes: {list(nodes)} "
-        )
+    with open(parameter_file, encoding="utf-8") as file:
+        nodes = yaml.safe_load(file)
     selected_nodes = ["/**"] if use_wildcard and "/**" in nodes else []
-    selected_nodes += target_nodes or [name for name in nodes if name != "/**"]
+    for name in target_nodes or ():
+        if name not in nodes.keys():  # noqa: SIM118  # rclpy's error for a file without nodes
+            raise RuntimeError(
+                f"Param file does not contain parameters for {name},only for nodes: {list(nodes)} "
+            )
+    selected_nodes += target_nodes or [name for name in nodes.keys() if name != "/**"]  # noqa: SIM118
     if not selected_nodes:
         raise RuntimeError("Param file does not contain selected parameters")
-    values = {f"{namespace}{name}": value for node in selected_nodes for name, value in nodes[node].items()}
-    return {name: Parameter(name, value=value).to_parameter_msg() for name, value in values.items()}
+    values: dict[str, Any] = {}
+    for name in selected_nodes:
+        node = nodes[name]
+        if not isinstance(node, dict) or "ros__parameters" not in node:
+            raise RuntimeError(f"YAML file is not a valid ROS parameter file for node {name}")
+        values.update(node["ros__parameters"])
+    return _to_messages(values, namespace)
+
+
+def _to_messages(values: dict[str, Any], prefix: str) -> dict[str, ParameterMsg]:
+    messages: dict[str, ParameterMsg] = {}
+    for key, value in values.items():
+        name = f"{prefix}{key}"
+        if isinstance(value, dict):
+            messages |= _to_messages(value, f"{name}{PARAMETER_SEPARATOR_STRING}")
+        else:
+            messages[name] = ParameterMsg(name=name, value=get_parameter_value(str(value)))
+    return messages

@@ -49,7 +49,8 @@ class ServiceEnd(Entity):
         claim_service(node, kind, full_name, request_type)
         sent, received = (requests, replies) if asks else (replies, requests)
         try:
-            offered_qos, requested_qos = to_qos(qos_profile, "pub"), to_qos(qos_profile, "sub")
+            offered_qos = to_qos(qos_profile, "pub")
+            requested_qos = to_qos(qos_profile, "sub", [offered_qos])
         except RCLError:
             raise RCLError(f"failed to create {kind}: create_{kind}() failed setting topic QoS") from None
         self._course_id = graph.add_publisher(node.id, *sent, offered_qos)

@@ -47,7 +47,8 @@ class Subscription(Entity, TopicEnd[MsgT]):
         self.raw = raw
         self.__message_class: Any = msg_type if isinstance(msg_type, type) else type(msg_type)
         self.__queue: deque[tuple[bytes, int, int]] = deque()
-        qos = to_qos(qos_profile, "sub")
+        offered = [info.qos for info in node.graph.endpoints_on(full_topic) if info.kind == "pub"]
+        qos = to_qos(qos_profile, "sub", offered)
         self.__capacity = qos.depth if qos.history == "keep_last" else None
         subscription_id = node.graph.add_subscription(
             node.id, self._course_entity, full_topic, type_name(msg_type), qos, self.__receive

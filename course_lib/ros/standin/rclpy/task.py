@@ -224,7 +224,11 @@ class Task(_AnyFuture):
         self._executing = True
         try:
             if isinstance(self._handler, partial):
-                self.set_result(self._handler())
+                try:
+                    self.set_result(self._handler())
+                # It is an error of the function here, and not the end of a coroutine.
+                except StopIteration as error:
+                    self.set_exception(error)
             else:
                 _awaiting.future = None
                 self._handler.send(None)

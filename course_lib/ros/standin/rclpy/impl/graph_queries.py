@@ -1,6 +1,6 @@
 """Graph queries in rclpy's data types: topics, services, actions, endpoints and their QoS."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from enum import IntEnum
 from typing import Any, Literal
 
@@ -21,11 +21,11 @@ from rclpy.qos import (
 )
 
 NamesAndTypes = list[tuple[str, list[str]]]
-# Values that BEST_AVAILABLE resolves to: offered by publishers, requested by subscriptions.
-_FITTING = {
+# Values that BEST_AVAILABLE resolves to, the strongest one first.
+_BEST = {
     "reliability": ("reliable", "best_effort"),
     "durability": ("transient_local", "volatile"),
-    "liveliness": ("automatic", "automatic"),
+    "liveliness": ("manual_by_topic", "automatic"),
 }
 # Each action has such a topic, by which it is recognized.
 _TOPIC, _TYPE = "/_action/feedback", "_FeedbackMessage"
@@ -203,10 +203,12 @@ def actions(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
     )
 
 
-def to_qos(profile: QoSProfile, kind: Literal["pub", "sub"]) -> Qos:
+def to_qos(profile: QoSProfile, kind: Literal["pub", "sub"], offered: Sequence[Qos] = ()) -> Qos:
     """Convert a QoS profile.
 
-    Policies set to SYSTEM_DEFAULT get the DDS default for this kind of endpoint.
+    Policies set to SYSTEM_DEFAULT get the DDS default for this kind of endpoint. For BEST_AVAILABLE,
+    a publisher offers the strongest value, and a subscription requests it if all of the topic's
+    publishers, whose QoS is `offered`, do so. Later publishers do not change it, as in ROS.
     """
     if not isinstance(profile, QoSProfile):
         raise AttributeError(f"'{type(profile).__name__}' object has no attribute 'get_c_qos_profile'")
@@ -217,14 +219,16 @@ def to_qos(profile: QoSProfile, kind: Literal["pub", "sub"]) -> Qos:
     if kind == "pub" and policy_values["durability"] is DurabilityPolicy.SYSTEM_DEFAULT:
         # DDS specifies volatile as the default of a writer; Fast DDS uses transient local.
         policy_values["durability"] = DurabilityPolicy.TRANSIENT_LOCAL
-    # For BEST_AVAILABLE, the value that matches most endpoints: a publisher offers the strongest
-    # value, a subscription requests the weakest.
-    best = 0 if kind == "pub" else 1
-    policies: dict[str, Any] = {
-        name: _FITTING[name][best] if policy.name == "BEST_AVAILABLE" else policy.name.lower()
-        for name, policy in policy_values.items()
-        if policy
-    }
+    policies: dict[str, Any] = {}
+    for name, policy in policy_values.items():
+        if policy.name == "BEST_AVAILABLE":
+            strongest, weakest = _BEST[name]
+            is_offered = all(getattr(one, name) == strongest for one in offered)
+            # A publisher with another liveliness would have to assert it.
+            is_strong = is_offered if kind == "sub" else name != "liveliness"
+            policies[name] = strongest if is_strong else weakest
+        elif policy:
+            policies[name] = policy.name.lower()
     if kind == "sub":
         policies.setdefault("reliability", "best_effort")
     return Qos(
