@@ -5,7 +5,7 @@ because Pinocchio cannot be installed everywhere. The joints of a robot are comb
 once per robot (`Motions`), so that the poses of all joints need a few operations of numpy.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import accumulate
@@ -98,25 +98,19 @@ def twist_jacobian(twist: Floats) -> Matrix:
     adjoint = np.zeros((6, 6))
     adjoint[:3, :3] = adjoint[3:, 3:] = cross_matrices(twist[3:])
     adjoint[:3, 3:] = cross_matrices(twist[:3])
-    square = adjoint @ adjoint
-    second, fourth = _coefficients(float(np.linalg.norm(twist[3:])))
-    return np.eye(6) - adjoint / 2 + second * square + fourth * square @ square
-
-
-def _coefficients(angle: float) -> tuple[float, float]:
-    """Return the factors of the adjoint's second and fourth power.
-
-    They follow from x / 2 cot(x / 2) and its derivative.
-    """
-    # Near 0 the quotients lose digits, so the series are used.
+    square, angle = adjoint @ adjoint, float(np.linalg.norm(twist[3:]))
+    # The factors of the adjoint's second and fourth power follow from x / 2 cot(x / 2) and its
+    # derivative. Near 0 the quotients lose digits, so the series are used.
     if angle < 0.1:
-        return 1 / 12 - angle**4 / 30240, -1 / 720 - angle**2 / 15120
-    half = angle / 2
-    value = half / tan(half)
-    # The derivative with respect to the square of the angle.
-    slope = (1 / tan(half) - half / sin(half) ** 2) / (8 * half)
-    fourth = float(1 + angle**2 * slope - value) / angle**4
-    return 2 * angle**2 * fourth - float(slope), fourth
+        second, fourth = 1 / 12 - angle**4 / 30240, -1 / 720 - angle**2 / 15120
+    else:
+        half = angle / 2
+        value = half / tan(half)
+        # The derivative with respect to the square of the angle.
+        slope = (1 / tan(half) - half / sin(half) ** 2) / (8 * half)
+        fourth = float(1 + angle**2 * slope - value) / angle**4
+        second = 2 * angle**2 * fourth - float(slope)
+    return np.eye(6) - adjoint / 2 + second * square + fourth * square @ square
 
 
 # Offsets for x and y, so that rounding does not decide between components of equal size.
@@ -166,7 +160,9 @@ def motions_of(tree: Urdf) -> Motions:
     zero_transforms = np.array([joint.transform_joint_to_parent for joint in joints]).reshape(-1, 4, 4)
     turns = np.array([joint.kind in ("revolute", "continuous") for joint in joints], dtype=bool)
     slide = np.array([joint.kind == "prismatic" for joint in joints], dtype=bool)
-    axes = np.array([_unit(joint.axis) for joint in joints]).reshape(-1, 3) * (turns | slide)[:, None]
+    # A zero axis is left unchanged.
+    units = [np.array(joint.axis) / (np.linalg.norm(joint.axis) or 1.0) for joint in joints]
+    axes = np.array(units).reshape(-1, 3) * (turns | slide)[:, None]
     about, along = (
         zero_transforms[:, :3, :3] @ cross_matrices(axes),
         zero_transforms[:, :3, :3] @ axes[:, :, None],
@@ -185,11 +181,6 @@ def motions_of(tree: Urdf) -> Motions:
     quarter_turns[:, 3] = -np.sum(at_0[:, :3] * axes, axis=1)
     quaternions = np.array([at_0, quarter_turns])
     return Motions(joints, numbers, above, zero_transforms, sines, cosines, slides, quaternions, turns, axes)
-
-
-def _unit(axis: Sequence[float]) -> Floats:
-    """Normalize an axis. A zero axis is returned unchanged."""
-    return np.array(axis) / (np.linalg.norm(axis) or 1.0)
 
 
 def link_poses(robot: Robot, positions: Mapping[str, float] | None = None) -> dict[str, Floats]:
@@ -403,7 +394,14 @@ def arm_of(robot: Robot, link: str) -> Arm:
     while at >= 0:
         chain.insert(0, at)
         at = motions.above[at]
-    limits = np.array([_limits(joint) for joint in motions.joints]).reshape(-1, 2)
+    limits = np.array(
+        [
+            (-np.inf, np.inf)
+            if joint.kind == "continuous"
+            else (joint.limits.get("lower", 0.0), joint.limits.get("upper", 0.0))
+            for joint in motions.joints
+        ]
+    ).reshape(-1, 2)
     # The matrix and the offsets compute mimic joints from the joints that they follow.
     factors, offsets = np.eye(len(motions.joints)), np.zeros(len(motions.joints))
     for number, joint in enumerate(motions.joints):
@@ -417,12 +415,6 @@ def arm_of(robot: Robot, link: str) -> Arm:
     return Arm(
         motions, chain, list(dict.fromkeys(driven_joints)), limits[:, 0], limits[:, 1], factors, offsets
     )
-
-
-def _limits(joint: Joint) -> tuple[float, float]:
-    if joint.kind == "continuous":
-        return -np.inf, np.inf
-    return joint.limits.get("lower", 0.0), joint.limits.get("upper", 0.0)
 
 
 def _iterate(arm: Arm, goal: Matrix, positions: Floats) -> tuple[Floats, Floats]:

@@ -375,13 +375,6 @@ class PaintNode(Node):
             self.stripes.append([])
             self._is_new = False
         self.stripes[-1].append(self._base_position("map", self._wrist))
-        self._publish()
-
-    def _base_position(self, frame: str, link: str) -> Floats:
-        translation = self._buffer.lookup_transform(frame, link, Time()).transform.translation
-        return np.array([translation.x, translation.y, translation.z])
-
-    def _publish(self) -> None:
         stripe = Marker(id=len(self.stripes) - 1, type=Marker.LINE_STRIP, action=Marker.ADD)
         stripe.header.frame_id, stripe.header.stamp = "map", self.get_clock().now().to_msg()
         stripe.scale.x, stripe.pose.orientation.w = WIDTH, 1.0
@@ -389,3 +382,7 @@ class PaintNode(Node):
         stripe.color.r, stripe.color.g, stripe.color.a = 1.0, 1.0, 1.0
         stripe.points = [Point(x=x, y=y, z=z) for x, y, z in np.array(self.stripes[-1]).tolist()]
         self._publisher.publish(stripe)
+
+    def _base_position(self, frame: str, link: str) -> Floats:
+        translation = self._buffer.lookup_transform(frame, link, Time()).transform.translation
+        return np.array([translation.x, translation.y, translation.z])

@@ -94,10 +94,17 @@ def read_settings(path: Path) -> MapSettings:
     mode = str(content.get("mode", "trinary")).lower()
     if mode not in MODES:
         raise MapYamlError(f"{path}: mode: {content['mode']!r}, expected trinary, scale or raw.")
+    image = values.value("image")
+    if not isinstance(image, str) or not image:
+        raise MapYamlError(f"{path}: image: {image!r}, expected the name of an image file.")
+    resolution, origin = values.number("resolution"), values.value("origin")
+    if not isinstance(origin, list) or len(origin) != 3:
+        raise MapYamlError(f"{path}: origin: {origin!r:.60}, expected [x, y, yaw] in m and rad.")
+    x, y, yaw = (values.as_number("origin", value) for value in origin)
     return MapSettings(
-        image=path.parent / values.image(),
-        resolution=values.number("resolution"),
-        origin=values.origin(),
+        image=path.parent / image,
+        resolution=resolution,
+        origin=(x, y, yaw),
         occupied_thresh=values.number("occupied_thresh"),
         free_thresh=values.number("free_thresh"),
         negate=bool(values.number("negate")),
@@ -111,31 +118,18 @@ class _YamlValues(NamedTuple):
     path: Path
     content: Mapping[str, Any]
 
-    def image(self) -> str:
-        name = self._value("image")
-        if not isinstance(name, str) or not name:
-            raise MapYamlError(f"{self.path}: image: {name!r}, expected the name of an image file.")
-        return name
-
-    def origin(self) -> tuple[float, float, float]:
-        origin = self._value("origin")
-        if not isinstance(origin, list) or len(origin) != 3:
-            raise MapYamlError(f"{self.path}: origin: {origin!r:.60}, expected [x, y, yaw] in m and rad.")
-        x, y, yaw = (self._as_number("origin", value) for value in origin)
-        return x, y, yaw
-
     def number(self, key: str) -> float:
-        number = self._as_number(key, self._value(key))
+        number = self.as_number(key, self.value(key))
         if key == "resolution" and number <= 0.0:
             raise MapYamlError(f"{self.path}: resolution: {number}, expected the size of a cell in m, > 0.")
         return number
 
-    def _value(self, key: str) -> Any:
+    def value(self, key: str) -> Any:
         if key not in self.content:
             raise MapYamlError(f"{self.path}: the key '{key}' is missing.")
         return self.content[key]
 
-    def _as_number(self, key: str, value: Any) -> float:
+    def as_number(self, key: str, value: Any) -> float:
         # YAML 1.1 reads 5e-2 as a string, which nav2_map_server accepts as a number.
         try:
             number = float(value)
@@ -155,7 +149,12 @@ def read_map(path: Path) -> OccupancyGrid:
     """
     settings = read_settings(path)
     if not os.path.exists(settings.image):
-        raise MapImageError(_describe_missing_image(path, settings.image))
+        name = settings.image.name
+        advice = f"Write the name of an image next to {path.name}."
+        # The file was written on another computer, with the path of the image there.
+        if os.path.isfile(path.with_name(name)):
+            advice = f"It is next to {path.name}: write image: {name}"
+        raise MapImageError(f"{path}: image: {settings.image} does not exist. {advice}")
     gray, is_opaque = _read_image(settings.image)
     cells = _cells(settings, gray, is_opaque)
     grid = OccupancyGrid()
@@ -168,16 +167,6 @@ def read_map(path: Path) -> OccupancyGrid:
     # The first row of a grid is the lowest one.
     grid.data = array.array("b", cells[::-1].tobytes())
     return grid
-
-
-def _describe_missing_image(path: Path, image: Path) -> str:
-    """Return the error for a map whose image does not exist, with an image of this name next to the map."""
-    text = f"{path}: image: {image} does not exist."
-    beside = path.with_name(image.name)
-    # The file was written on another computer, with the path of the image there.
-    if os.path.isfile(beside):
-        return f"{text} It is next to {path.name}: write image: {image.name}"
-    return f"{text} Write the name of an image next to {path.name}."
 
 
 def _read_image(path: Path) -> tuple[np.ndarray, np.ndarray]:
@@ -593,24 +582,19 @@ class LifecycleManager(Node):
         for transition in transitions:
             # Nodes are stopped in the reverse order.
             for name in self._managed if transition in _UP else reversed(self._managed):
-                if not await self._change(name, transition):
+                goal, text = _TRANSITIONS[transition]
+                self.get_logger().info(f"{text} {name}")
+                change_state, get_state = self._links[name]
+                request = ChangeState.Request(transition=Transition(id=transition))
+                answer = await change_state.call_async(request)
+                state = await get_state.call_async(GetState.Request())
+                if not answer.success or state.current_state.id != goal:
+                    self.get_logger().error(f"Failed to change state for node: {name}")
                     self.get_logger().error("Failed to bring up all requested nodes. Aborting bringup.")
                     self._is_active = False
                     return False
         self.get_logger().info(f"Managed nodes {after}")
         self._is_active = after == "are active"
-        return True
-
-    async def _change(self, name: str, transition: int) -> bool:
-        goal, text = _TRANSITIONS[transition]
-        self.get_logger().info(f"{text} {name}")
-        change_state, get_state = self._links[name]
-        request = ChangeState.Request(transition=Transition(id=transition))
-        answer = await change_state.call_async(request)
-        state = await get_state.call_async(GetState.Request())
-        if not answer.success or state.current_state.id != goal:
-            self.get_logger().error(f"Failed to change state for node: {name}")
-            return False
         return True
 
     async def _on_manage(

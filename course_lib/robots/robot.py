@@ -67,14 +67,19 @@ def resolve(uri: str, near: Path | None = None) -> Path:
     # Unlike Path.is_file, this function returns False for a name that is too long for a file.
     existing = next((path for path in candidates if os.path.isfile(path)), None)
     if existing is None:
-        where = "."
+        where, package = ".", parts.netloc
         if parts.scheme == "package":
             found = next(filter(None, map(_find_ignoring_case, candidates)), None)
-            where = (
-                f": the file is {found}, and capitals matter."
-                if found
-                else f": {_package_location(parts.netloc, near)}"
-            )
+            folder = next((index[package] for index in _package_indexes(near) if package in index), None)
+            if found:
+                where = f": the file is {found}, and capitals matter."
+            elif folder is not None:
+                where = f": '{package}' is the package in {folder}."
+            else:
+                where = (
+                    f": there is no package '{package}': put its folder, with its package.xml, into the "
+                    "workspace's src."
+                )
         raise CourseError(f"The file {uri} does not exist. Correct the address{where}")
     return existing
 
@@ -145,14 +150,6 @@ def _package_indexes(near: Path | None) -> Iterator[Mapping[str, Path]]:
     yield packages(in_working_folder="file" in _schemes)
     if near is not None and (workspace := workspace_of(near)):
         yield packages_below(workspace)
-
-
-def _package_location(package: str, near: Path | None) -> str:
-    """Return the folder of a package, or how to add it to the workspace."""
-    folder = next((index[package] for index in _package_indexes(near) if package in index), None)
-    if folder is not None:
-        return f"'{package}' is the package in {folder}."
-    return f"there is no package '{package}': put its folder, with its package.xml, into the workspace's src."
 
 
 def is_installed(file: Path) -> bool:

@@ -95,7 +95,7 @@ class JointStatePublisher(Node):
             if not self.has_parameter(name):
                 self.declare_parameter(name, value)
         # As in ROS, all parameters are read once: later changes have no effect.
-        self._parameters_at_start = {name: self.get_parameter(name).value for name in ("rate", *_DEFAULTS)}
+        self._settings = {name: self.get_parameter(name).value for name in ("rate", *_DEFAULTS)}
         zeros_from_parameters = {
             name: parameter.value for name, parameter in self.get_parameters_by_prefix("zeros").items()
         }
@@ -106,7 +106,7 @@ class JointStatePublisher(Node):
         # The joint that each joint follows, in the order of the file.
         self._mimics: dict[str, Mimic] = {}
         try:
-            period = period_of(self._parameter("rate"))
+            period = period_of(self._settings["rate"])
             self._check_dependent_joints()
             if robot_description:
                 self.set_description(robot_description)
@@ -119,13 +119,10 @@ class JointStatePublisher(Node):
             )
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.create_subscription(String, "robot_description", self._on_description, latched)
-        for topic in self._parameter("source_list"):
+        for topic in self._settings["source_list"]:
             self.create_subscription(JointState, topic, self._on_source, 10)
         self._publisher = self.create_publisher(JointState, "joint_states", 10)
         self.create_timer(period, self._publish)
-
-    def _parameter(self, name: str) -> Any:
-        return self._parameters_at_start[name]
 
     def _check_dependent_joints(self) -> None:
         names = self.get_parameters_by_prefix("dependent_joints")
@@ -148,7 +145,7 @@ class JointStatePublisher(Node):
         """
         tree = parse_urdf(text)
         moving = [joint for joint in tree.joints.values() if joint.kind in MOVING]
-        uses_mimic = self._parameter("use_mimic_tags")
+        uses_mimic = self._settings["use_mimic_tags"]
         follows = {
             joint.name: tree.resolve_mimic(joint) if uses_mimic else Mimic(joint.name, 1.0, 0.0)
             for joint in moving
@@ -170,7 +167,7 @@ class JointStatePublisher(Node):
                     f'"{side}" limit must be specified for joint "{joint.name}" of type "{joint.kind}"'
                 )
         lower, upper = limits["lower"], limits["upper"]
-        if self._parameter("use_smallest_joint_limits"):
+        if self._settings["use_smallest_joint_limits"]:
             lower = max(lower, limits.get("soft_lower_limit", lower))
             upper = min(upper, limits.get("soft_upper_limit", upper))
         zero = float(self._zeros.get(joint.name, (lower + upper) / 2 if lower > 0 or upper < 0 else 0.0))
@@ -179,9 +176,9 @@ class JointStatePublisher(Node):
             lower,
             upper,
             zero,
-            position=zero if self._parameter("publish_default_positions") else None,
-            velocity=0.0 if self._parameter("publish_default_velocities") else None,
-            effort=0.0 if self._parameter("publish_default_efforts") else None,
+            position=zero if self._settings["publish_default_positions"] else None,
+            velocity=0.0 if self._settings["publish_default_velocities"] else None,
+            effort=0.0 if self._settings["publish_default_efforts"] else None,
             is_continuous=joint.kind == "continuous",
         )
 
@@ -201,9 +198,17 @@ class JointStatePublisher(Node):
     def _publish(self) -> None:
         state = JointState(name=list(self._mimics))
         state.header.stamp = self.get_clock().now().to_msg()
-        delta = self._parameter("delta")
+        delta = self._settings["delta"]
         for joint in self.joints.values() if delta > 0 else ():
-            _move(joint, delta)
+            if joint.position is None:
+                continue
+            # A step, which reverses its direction at a limit.
+            joint.position += delta if joint.moves_up else -delta
+            if joint.position > joint.upper and joint.moves_up:
+                joint.position = joint.lower if joint.is_continuous else joint.upper
+                joint.moves_up = joint.is_continuous
+            elif joint.position < joint.lower and not joint.moves_up:
+                joint.position, joint.moves_up = joint.lower, True
         for kind in _KINDS:
             known_values = {
                 name: value for name, j in self.joints.items() if (value := getattr(j, kind)) is not None
@@ -224,18 +229,6 @@ def _mimic_value(kind: str, follow: Mimic, known_values: Mapping[str, float]) ->
     if kind == "position":
         return value * follow.factor + follow.offset
     return value * follow.factor if kind == "velocity" else value
-
-
-def _move(joint: FreeJoint, delta: float) -> None:
-    """Move a joint by a step, and reverse its direction at a limit."""
-    if joint.position is None:
-        return
-    joint.position += delta if joint.moves_up else -delta
-    if joint.position > joint.upper and joint.moves_up:
-        joint.position = joint.lower if joint.is_continuous else joint.upper
-        joint.moves_up = joint.is_continuous
-    elif joint.position < joint.lower and not joint.moves_up:
-        joint.position, joint.moves_up = joint.lower, True
 
 
 def joint_sliders(publisher: JointStatePublisher) -> "VBox | None":

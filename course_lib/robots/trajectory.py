@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import chain, pairwise, takewhile
+from itertools import pairwise, takewhile
 from typing import Unpack
 
 import numpy as np
@@ -104,7 +104,7 @@ def waypoints_of(message: JointTrajectory, joints: Sequence[str], now: Time) -> 
             raise CourseError(f"Incoming joint {name} doesn't match the controller's joints.")
     if not message.points:
         raise CourseError("Empty trajectory received.")
-    for problem in chain(_check_times(message, now), _check_points(message)):
+    for problem in _find_problems(message, now):
         raise CourseError(problem)
     order = [list(message.joint_names).index(joint) for joint in joints]
     waypoints = []
@@ -119,7 +119,8 @@ def _seconds(point: JointTrajectoryPoint) -> float:
     return Duration.from_msg(point.time_from_start).nanoseconds / 1e9
 
 
-def _check_times(message: JointTrajectory, now: Time) -> Iterator[str]:
+def _find_problems(message: JointTrajectory, now: Time) -> Iterator[str]:
+    """Yield joint_trajectory_controller's errors for the times and the points of a trajectory."""
     times = [_seconds(point) for point in message.points]
     start = Time.from_msg(message.header.stamp).nanoseconds / 1e9
     if start and start + times[-1] < now.nanoseconds / 1e9:
@@ -129,9 +130,6 @@ def _check_times(message: JointTrajectory, now: Time) -> Iterator[str]:
         if after <= before:
             times_are = f"it is {before:f} and {after:f} respectively"
             yield f"Time between points {number} and {number + 1} is not strictly increasing, {times_are}"
-
-
-def _check_points(message: JointTrajectory) -> Iterator[str]:
     names = message.joint_names
     for number, point in enumerate(message.points):
         for name in _FIELDS:
@@ -368,28 +366,24 @@ class JointTrajectoryController(Node):
         if self._next_trajectory:
             self._begin(*self._next_trajectory, now)
         seconds = (now.nanoseconds - self._start_ns) / 1e9
-        if self._goal:
-            self._update_goal(self._goal, now, seconds)
+        if goal := self._goal:
+            desired, actual = sample(self._waypoints, seconds)[:2], self._state()
+            goal.report(now, desired, actual)
+            end = goal.check_tolerances((desired - actual)[0], seconds - self._waypoints[-1].seconds)
+            is_canceled = goal.handle.is_cancel_requested
+            if is_canceled:
+                self.get_logger().info("Canceling active action goal because cancel callback received.")
+                goal.cancel()
+            elif end:
+                (self.get_logger().info if end is REACHED else self.get_logger().warning)(end.log_text)
+                goal.end(end)
+            if is_canceled or end:
+                self._goal = None
+                if end is not REACHED:
+                    self._hold()
         command = sample(self._waypoints, seconds + self._period)[0]
         for warning in self._joints.follow(command, self._period):
             self.get_logger().warning(warning, throttle_duration_sec=1.0)
-
-    def _update_goal(self, goal: TrajectoryGoal, now: Time, seconds: float) -> None:
-        """Publish a goal's feedback, and end the goal if it is finished."""
-        desired, actual = sample(self._waypoints, seconds)[:2], self._state()
-        goal.report(now, desired, actual)
-        end = goal.check_tolerances((desired - actual)[0], seconds - self._waypoints[-1].seconds)
-        if goal.handle.is_cancel_requested:
-            self.get_logger().info("Canceling active action goal because cancel callback received.")
-            goal.cancel()
-        elif end:
-            (self.get_logger().info if end is REACHED else self.get_logger().warning)(end.log_text)
-            goal.end(end)
-        else:
-            return
-        self._goal = None
-        if end is not REACHED:
-            self._hold()
 
     def _begin(self, start: Time, waypoints: Sequence[Waypoint], now: Time) -> None:
         """Follow waypoints from the current state. A start of 0 means now."""

@@ -209,7 +209,7 @@ class Turtle:
         if self._node.get_parameter("holonomic").value:
             self._sideways_speed = twist.linear.y
         if self._goal is not None:
-            self._warn("Velocity command received during rotation goal. Aborting goal")
+            self._node.get_logger().warning("Velocity command received during rotation goal. Aborting goal")
             self._end(ServerGoalHandle.abort)
 
     def _stop(self) -> None:
@@ -230,7 +230,9 @@ class Turtle:
 
     async def _rotate(self, goal: ServerGoalHandle) -> RotateAbsolute.Result:
         if self._goal is not None:
-            self._warn("Rotation goal received before a previous goal finished. Aborting previous goal")
+            self._node.get_logger().warning(
+                "Rotation goal received before a previous goal finished. Aborting previous goal"
+            )
             self._end(ServerGoalHandle.abort)
         self._goal, self._start, self._rotation_result = goal, self.theta, Future()
         return await self._rotation_result or RotateAbsolute.Result()
@@ -260,9 +262,6 @@ class Turtle:
             self._rotation_result.set_result(
                 RotateAbsolute.Result(delta=_normalize_angle(self._start - self.theta))
             )
-
-    def _warn(self, text: str) -> None:
-        self._node.get_logger().warning(text)
 
 
 def _normalize_angle(angle: float) -> float:
@@ -547,30 +546,24 @@ class TurtleFollower(Node):
         self.create_timer(FOLLOW_PERIOD, self._follow)
 
     def _follow(self) -> None:
-        if self._spawn_response is None:
-            self._spawn()
-        elif not self._spawn_response.done():
-            self.get_logger().info("Spawn is not finished")
-        else:
-            self._drive()
-
-    def _spawn(self) -> None:
-        if self._spawner.service_is_ready():
+        say = self.get_logger().info
+        if self._spawn_response is None and not self._spawner.service_is_ready():
+            say("Service is not ready")
+        elif self._spawn_response is None:
             self._spawn_response = self._spawner.call_async(Spawn.Request(name="turtle2", x=4.0, y=2.0))
+        elif not self._spawn_response.done():
+            say("Spawn is not finished")
         else:
-            self.get_logger().info("Service is not ready")
-
-    def _drive(self) -> None:
-        try:
-            transform = self._buffer.lookup_transform("turtle2", self._target, Time())
-        except TransformException as error:
-            self.get_logger().info(f"Could not transform turtle2 to {self._target}: {error}")
-            return
-        x, y = transform.transform.translation.x, transform.transform.translation.y
-        twist = Twist()
-        twist.linear.x = FORWARD_GAIN * math.hypot(x, y)
-        twist.angular.z = TURNING_GAIN * math.atan2(y, x)
-        self._twists.publish(twist)
+            try:
+                transform = self._buffer.lookup_transform("turtle2", self._target, Time())
+            except TransformException as error:
+                say(f"Could not transform turtle2 to {self._target}: {error}")
+                return
+            x, y = transform.transform.translation.x, transform.transform.translation.y
+            twist = Twist()
+            twist.linear.x = FORWARD_GAIN * math.hypot(x, y)
+            twist.angular.z = TURNING_GAIN * math.atan2(y, x)
+            self._twists.publish(twist)
 
 
 def _transform(

@@ -260,7 +260,8 @@ def find_slips(text: str) -> Iterator[str]:
                 owner = element.get("name") or element.tag
                 yield f"{owner}: <{child.tag}> is ignored. Did you mean <{near[0]}>?"
         for origin in element.findall("origin"):
-            yield from (f"{_owner_of(element)}: {hint}" for hint in _slips_of_origin(origin))
+            owner = element.get("name") or f"<{element.tag}>"
+            yield from (f"{owner}: {hint}" for hint in _slips_of_origin(origin))
     named = {e.get("name") for e in robot.iter("material") if len(e)}
     for link in robot.findall("link"):
         for material in link.findall("visual/material"):
@@ -279,10 +280,6 @@ def find_slips(text: str) -> Iterator[str]:
             yield f"{joint.get('name')}: limits are in radians: 90° is 1.5708, and {upper:g} is in degrees?"
         if lower > upper:
             yield f"{joint.get('name')}: lower={lower:g} is above upper={upper:g}: swap them."
-
-
-def _owner_of(element: ET.Element) -> str:
-    return element.get("name") or f"<{element.tag}>"
 
 
 def _slips_of_origin(origin: ET.Element) -> Iterator[str]:

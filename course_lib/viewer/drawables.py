@@ -506,11 +506,16 @@ def _merge(parts: list[Part], unit: float, color: tuple[float, ...] | None) -> M
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
     # Normals from the file are in the cache; otherwise trimesh would compute them.
     smooth = all("vertex_normals" in mesh._cache for mesh in meshes)
+    normals = []
+    for mesh, place in parts if smooth else ():
+        # The transform may scale.
+        rotated = mesh.vertex_normals @ np.linalg.pinv(place[:3, :3])
+        normals.append(rotated / np.maximum(np.linalg.norm(rotated, axis=1, keepdims=True), 1e-12))
     return Mesh(
         np.concatenate([mesh.vertices @ place[:3, :3].T + place[:3, 3] for mesh, place in parts]) * unit,
         np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]),
         np.concatenate([_colors(mesh) for mesh in meshes]) if color is None else color,
-        np.concatenate([_normals(mesh, place) for mesh, place in parts]) if smooth else None,
+        np.concatenate(normals) if smooth else None,
     )
 
 
@@ -524,13 +529,6 @@ def _read(data: bytes, file_format: str, folder: Path | None) -> tuple[Any, list
     placements = (scene.graph[node] for node in scene.graph.nodes_geometry)
     parts = [(scene.geometry[name], place) for place, name in placements]
     return scene, [(mesh, place) for mesh, place in parts if isinstance(mesh, trimesh.Trimesh)]
-
-
-def _normals(mesh: Any, transform_mesh_to_file: Matrix) -> Matrix:
-    """Return unit normals at a mesh's vertices, shape (V, 3), after a transform that may scale."""
-    rotated = mesh.vertex_normals @ np.linalg.pinv(transform_mesh_to_file[:3, :3])
-    normals: Matrix = rotated / np.maximum(np.linalg.norm(rotated, axis=1, keepdims=True), 1e-12)
-    return normals
 
 
 def _colors(part: Any) -> Float32s:

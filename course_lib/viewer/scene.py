@@ -320,32 +320,31 @@ def bounds_of(scene: Scene, paths: Iterable[str]) -> Floats | None:
         None if no object has a position: there is none, all are pictures in a corner, or no number
         is finite.
     """
-    boxes = [
-        _box(scene, path, drawable) for path in paths if (drawable := scene.node(path).object) is not None
-    ]
-    boxes_found = [box for box in boxes if box is not None and np.isfinite(box).all()]
-    if not boxes_found:
+    boxes: list[Floats] = []
+    for path in paths:
+        if (drawable := scene.node(path).object) is None:
+            continue
+        points, reach = _points_and_extent(drawable)
+        transform = scene.world_transform(path)
+        # Distant points may overflow; such boxes are left out.
+        with np.errstate(all="ignore"):
+            transformed = points @ transform[:3, :3].T + transform[:3, 3]
+            half = reach @ np.abs(transform[:3, :3]).T
+            is_finite = np.isfinite(transformed).all(axis=1)
+            if not is_finite.any():
+                continue
+            low, high = (transformed - half)[is_finite], (transformed + half)[is_finite]
+            if len(low) >= _MANY and isinstance(drawable, drawables.Points):
+                corners = [np.percentile(low, _MOST[0], axis=0), np.percentile(high, _MOST[1], axis=0)]
+            else:
+                corners = [low.min(axis=0), high.max(axis=0)]
+        if np.isfinite(corners).all():
+            boxes.append(np.stack(corners))
+    if not boxes:
         return None
-    lows, highs = np.stack(boxes_found, axis=1)
-    corners: Floats = np.stack([lows.min(axis=0), highs.max(axis=0)])
-    return corners
-
-
-def _box(scene: Scene, path: str, drawable: drawables.Drawable) -> Floats | None:
-    """Return the corners of an object's box in the scene's frame, or None if it has no position."""
-    points, reach = _points_and_extent(drawable)
-    transform = scene.world_transform(path)
-    # Distant points may overflow; such boxes are left out.
-    with np.errstate(all="ignore"):
-        transformed = points @ transform[:3, :3].T + transform[:3, 3]
-        half = reach @ np.abs(transform[:3, :3]).T
-        is_finite = np.isfinite(transformed).all(axis=1)
-        if not is_finite.any():
-            return None
-        low, high = (transformed - half)[is_finite], (transformed + half)[is_finite]
-        if len(low) >= _MANY and isinstance(drawable, drawables.Points):
-            return np.stack([np.percentile(low, _MOST[0], axis=0), np.percentile(high, _MOST[1], axis=0)])
-        return np.stack([low.min(axis=0), high.max(axis=0)])
+    lows, highs = np.stack(boxes, axis=1)
+    bounds: Floats = np.stack([lows.min(axis=0), highs.max(axis=0)])
+    return bounds
 
 
 def _points_and_extent(drawable: drawables.Drawable) -> tuple[Reals, Reals]:

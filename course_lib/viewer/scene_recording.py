@@ -288,7 +288,12 @@ class SceneRecording:
             self._start, newest = now, None
         if newest is None or now - newest.time >= self._interval:
             self._frames.begin(now)
-        self._frames.add(kind, path, _value(self.scene, kind, path))
+        if kind in _OF_ALL:
+            value = getattr(self.scene, kind)
+        else:
+            node = self.scene.find(path)
+            value = getattr(node, _ATTRIBUTES[kind]) if node and kind in _ATTRIBUTES else None
+        self._frames.add(kind, path, value)
         seconds, size = self._limits
         while len(self._frames) > 1 and (now - self._start > seconds or self._frames.size > size):
             self._merge_oldest(1)
@@ -365,10 +370,3 @@ _ATTRIBUTES: dict[ChangeKind, str] = {
     "transform": "matrix",
     "visible": "is_visible",
 }
-
-
-def _value(scene: Scene, kind: ChangeKind, path: str) -> Any:
-    if kind in _OF_ALL:
-        return getattr(scene, kind)
-    node = scene.find(path)
-    return getattr(node, _ATTRIBUTES[kind]) if node and kind in _ATTRIBUTES else None

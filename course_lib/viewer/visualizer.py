@@ -17,7 +17,6 @@ from typing import Any, Protocol, TypeAlias
 import meshcat
 import numpy as np
 import numpy.typing as npt
-from meshcat.path import Path
 from PIL import Image
 
 from course_lib.arrays import Float32s, Floats, Matrix
@@ -505,15 +504,12 @@ class Visualizer(meshcat.Visualizer):  # type: ignore[misc]  # meshcat has no ty
         super().__init__(window=Window(scene))
         self.scene_path = "/".join(self.path.entries)
 
-    @staticmethod
-    def view_into(window: Window, path: Path) -> "Visualizer":
-        """Return a Visualizer for the subtree at a path."""
-        part = Visualizer.__new__(Visualizer)
-        part.window, part.path, part.scene_path = window, path, "/".join(path.entries)
-        return part
-
     def __getitem__(self, path: str) -> "Visualizer":
-        return self.view_into(self.window, self.path.append(path))
+        # The part has the same window, so `__init__` must not create another one.
+        part = Visualizer.__new__(Visualizer)
+        part.window, part.path = self.window, self.path.append(path)
+        part.scene_path = "/".join(part.path.entries)
+        return part
 
     def set_transform(self, matrix: npt.ArrayLike = _IDENTITY) -> None:
         """Set the transform from this part to its parent, shape (4, 4), in [m]."""
