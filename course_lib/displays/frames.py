@@ -194,8 +194,8 @@ class ViewTime:
         self.robot_ns = start_ns
         # 0 until a message on /clock is received.
         self._sim_ns = 0
-        # Time of the last message.
-        self._message_ns = start_ns
+        # Robot time of the last message.
+        self.message_ns = start_ns
         # Time of the last frame.
         self._frame_ns = start_ns
         # When the next frame is due, if one was requested.
@@ -210,13 +210,9 @@ class ViewTime:
         """Convert the current robot time to ROS time, [ns]."""
         return self._sim_ns if self.use_sim_time else robot_ns
 
-    def is_past(self, stamp_ns: int) -> bool:
-        """Return whether a message is older than the last one, as after a recording was rewound."""
-        return stamp_ns < self._message_ns
-
     def on_message(self, stamp_ns: int) -> None:
         """Record the robot time of a message."""
-        self.robot_ns = self._message_ns = stamp_ns
+        self.robot_ns = self.message_ns = stamp_ns
 
     def on_clock(self, sim_ns: int) -> bool:
         """Set the time of /clock, and return whether it jumped back."""

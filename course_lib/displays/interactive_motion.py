@@ -100,11 +100,28 @@ def _arrows(marker: Message, control: Message) -> Iterable[Message]:
 def _ring(marker: Message, control: Message) -> Iterable[Message]:
     """Yield a ring around the control's x axis; a rotating ring has dark and bright segments."""
     ring = _handle(_TRIANGLES, control, (marker.scale,) * 3)
-    corners, shades = _PIECES.get(control.interaction_mode, _plain)()
+    # Corners of triangles as (circle, step), with the inner circle 0 and the outer 1, and a shade per
+    # triangle.
+    corners, shades = list[tuple[tuple[int, int], ...]](), list[float]()
+    if control.interaction_mode == ROTATE_AXIS:
+        # Slanted segments.
+        for i in range(_STEPS):
+            corners.append(((0, i), (1, i + 1), (0, i + 1), (0, i + 1), (1, i + 1), (1, i + 2)))
+            shades += [_DARK + 0.4 * (i % 2)] * 2
+    elif control.interaction_mode == MOVE_ROTATE:
+        # Teeth.
+        for i in range(0, _STEPS, 2):
+            corners.append(((0, i), (1, i + 1), (0, i + 1), (0, i + 1), (1, i + 1), (0, i + 2)))
+            corners.append(((1, i), (1, i + 1), (0, i), (1, i + 1), (1, i + 2), (0, i + 2)))
+            shades += [_DARK, _DARK, 1.0, 1.0]
+    else:
+        for i in range(_STEPS):
+            corners.append(((0, i), (1, i), (0, i + 1), (1, i), (1, i + 1), (0, i + 1)))
+    circle_of, step_of = np.reshape(corners, (-1, 2)).T
     angles = np.arange(_STEPS) * (2 * math.pi / _STEPS)
     circle = np.column_stack([np.zeros(_STEPS), 0.5 * np.cos(angles), 0.5 * np.sin(angles)])
     circles = np.stack([circle, (1 + _WIDTH) * circle])
-    ring.points = _points(circles[corners[:, 0], corners[:, 1] % _STEPS])
+    ring.points = _points(circles[circle_of, step_of % _STEPS])
     c = ring.color
     ring.colors = [
         make("std_msgs/msg/ColorRGBA", r=c.r * shade, g=c.g * shade, b=c.b * shade, a=1.0) for shade in shades
@@ -121,33 +138,6 @@ def _button(marker: Message, control: Message) -> Iterable[Message]:
     yield text_marker
 
 
-# Corners of triangles as (circle, step), with the inner circle 0 and the outer 1, and a shade per
-# triangle.
-Pieces = tuple[Matrix, list[float]]
-
-
-def _plain() -> Pieces:
-    steps = range(_STEPS)
-    corners = [((0, i), (1, i), (0, i + 1), (1, i), (1, i + 1), (0, i + 1)) for i in steps]
-    return np.reshape(corners, (-1, 2)), []
-
-
-def _slanted_ring() -> Pieces:
-    steps = range(_STEPS)
-    corners = [((0, i), (1, i + 1), (0, i + 1), (0, i + 1), (1, i + 1), (1, i + 2)) for i in steps]
-    return np.reshape(corners, (-1, 2)), [_DARK + 0.4 * (i % 2) for i in steps for _ in range(2)]
-
-
-def _toothed_ring() -> Pieces:
-    corners, shades = list[tuple[tuple[int, int], ...]](), list[float]()
-    for i in range(0, _STEPS, 2):
-        corners.append(((0, i), (1, i + 1), (0, i + 1), (0, i + 1), (1, i + 1), (0, i + 2)))
-        corners.append(((1, i), (1, i + 1), (0, i), (1, i + 1), (1, i + 2), (0, i + 2)))
-        shades += [_DARK, _DARK, 1.0, 1.0]
-    return np.reshape(corners, (-1, 2)), shades
-
-
-_PIECES: Mapping[int, Callable[[], Pieces]] = {ROTATE_AXIS: _slanted_ring, MOVE_ROTATE: _toothed_ring}
 _HANDLES: Mapping[int, Callable[[Message, Message], Iterable[Message]]] = {
     MOVE_AXIS: _arrows,
     **dict.fromkeys((MOVE_PLANE, ROTATE_AXIS, MOVE_ROTATE), _ring),

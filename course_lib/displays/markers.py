@@ -537,7 +537,20 @@ class MarkerStore:
         """Draw new markers, remove expired ones, and move markers locked to their frame."""
         queue, self._queue = self._queue, []
         for marker, received_ns in queue:
-            self._process(marker, received_ns)
+            key = (marker.ns, marker.id)
+            if not _is_finite(marker):
+                problem = "Contains invalid floating point values (nans or infs)"
+                self._statuses.set("error", label(marker), problem)
+            elif marker.action == ADD:
+                self._show(key, marker, received_ns)
+            elif marker.action == DELETE:
+                self._delete(key)
+            elif marker.action == DELETEALL:
+                for other in list(self.displayed):
+                    if marker.ns in ("", other[0]):
+                        self._delete(other)
+            else:
+                self._statuses.hint(label(marker), f"RViz's log: Unknown marker action: {marker.action}")
         many = [_MANY_MARKERS_HINT.format(len(self.displayed))] if len(self.displayed) > _MANY_MARKERS else []
         self._statuses.hint("Markers", *many)
         for key, live in list(self._changing.items()):
@@ -580,22 +593,6 @@ class MarkerStore:
             if np.abs(now - then).max() > _MOVED:
                 text = "has moved since this marker arrived; RViz2 places it once. frame_locked=True follows."
                 yield label(live.marker), f"{frame} {text}"
-
-    def _process(self, marker: Any, received_ns: int) -> None:
-        key = (marker.ns, marker.id)
-        if not _is_finite(marker):
-            problem = "Contains invalid floating point values (nans or infs)"
-            self._statuses.set("error", label(marker), problem)
-        elif marker.action == ADD:
-            self._show(key, marker, received_ns)
-        elif marker.action == DELETE:
-            self._delete(key)
-        elif marker.action == DELETEALL:
-            for other in list(self.displayed):
-                if marker.ns in ("", other[0]):
-                    self._delete(other)
-        else:
-            self._statuses.hint(label(marker), f"RViz's log: Unknown marker action: {marker.action}")
 
     def _show(self, key: Key, marker: Any, received_ns: int) -> None:
         if not self.namespaces.setdefault(marker.ns, True):

@@ -298,7 +298,8 @@ class RvizSession:
         An exception becomes a status: it must not reach the node that publishes.
         """
         with contained(self.statuses, "Message"):
-            if self.time.is_past(sample.stamp_ns):
+            # A message is older than the last one after a recording was rewound.
+            if sample.stamp_ns < self.time.message_ns:
                 self._on_time_jump("Detected jump back in time.")
                 self.time.restart()
             if (due_ns := self.time.overdue_ns(sample.stamp_ns)) is not None:

@@ -56,7 +56,8 @@ class Statuses:
     def __init__(self) -> None:
         self._texts: dict[str, tuple[Level, str]] = {}
         self._hints: dict[str, tuple[str, ...]] = {}
-        self._failures: dict[str, str] = {}
+        # Errors about failed operations by name, shown in addition to RViz's statuses.
+        self.failures: dict[str, str] = {}
 
     def set(self, level: Level, name: str, text: str) -> None:
         """Set the status with this name. The text is RViz's message."""
@@ -65,15 +66,6 @@ class Statuses:
     def hint(self, name: str, *texts: str) -> None:
         """Set the hints with this name, replacing earlier ones. Without `texts`, remove them."""
         self._hints[name] = texts
-
-    def fail(self, name: str, text: str) -> None:
-        """Set an error about a failed operation, shown in addition to RViz's statuses."""
-        self._failures[name] = text
-
-    def clear_failure(self, name: str) -> None:
-        """Remove the error of an operation that is attempted again."""
-        if self._failures:
-            self._failures.pop(name, None)
 
     def delete(self, name: str) -> None:
         """Remove the status and the hints with this name."""
@@ -84,12 +76,12 @@ class Statuses:
         """Remove all statuses and hints."""
         self._texts.clear()
         self._hints.clear()
-        self._failures.clear()
+        self.failures.clear()
 
     def rows(self, display: str) -> list[StatusRow]:
         """Return the statuses and hints of a display as rows, hints last."""
         rows = [(name, *status) for name, status in self._texts.items()]
-        rows += [(name, "error", text) for name, text in self._failures.items()]
+        rows += [(name, "error", text) for name, text in self.failures.items()]
         rows += [(name, "hint", text) for name, texts in self._hints.items() for text in texts]
         return [StatusRow(display, clip(name), level, clip(text)) for name, level, text in rows]
 
@@ -157,7 +149,9 @@ class contained:  # noqa: N801  # a context manager, named like those of context
 
     def __enter__(self) -> None:
         self._numpy.__enter__()
-        self._statuses.clear_failure(self._name)
+        # The operation is attempted again.
+        if self._statuses.failures:
+            self._statuses.failures.pop(self._name, None)
 
     def __exit__(
         self,
@@ -168,7 +162,7 @@ class contained:  # noqa: N801  # a context manager, named like those of context
         self._numpy.__exit__(kind, error, trace)
         if not isinstance(error, Exception) or isinstance(error, DisplayFaultWarning):
             return False
-        self._statuses.fail(self._name, describe(error))
+        self._statuses.failures[self._name] = describe(error)
         return True
 
 

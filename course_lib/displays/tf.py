@@ -202,7 +202,19 @@ class DrawnFrame:
             if visible_parts[part] and self._drawn_appearances.get(part) != look:
                 self._drawn_appearances[part] = look
                 self._last_transforms = (None, None)
-                self._draw(part, look)
+                set_object, node = self._scene.set_object, self.nodes[part]
+                if part == "axes":
+                    set_object(
+                        node, axes(look.scale * _LENGTH, look.scale * _WIDTH, _fade(AXIS_COLORS, look.age))
+                    )
+                elif part == "names":
+                    height = look.scale * _NAME_HEIGHT
+                    set_object(node, Text(self._frame, height, _fade(_WHITE, look.age), below=True))
+                else:
+                    set_object(
+                        f"{node}/shaft", Solids("cylinder", [np.eye(4)], _fade(_SHAFT_COLOR, look.age))
+                    )
+                    set_object(f"{node}/head", Solids("cone", [np.eye(4)], _fade(_HEAD_COLOR, look.age)))
             if part in self._drawn_appearances and self._visibility.get(part, True) != visible_parts[part]:
                 self._visibility[part] = visible_parts[part]
                 self._scene.set_visible(self.nodes[part], visible_parts[part])
@@ -229,17 +241,6 @@ class DrawnFrame:
             for part, (width, along), center in zip(("shaft", "head"), sizes, centers, strict=True):
                 transform = placement(rotation, (width, width, along), start + direction * center)
                 self._scene.set_transform(f"{node}/{part}", transform)
-
-    def _draw(self, part: str, look: Appearance) -> None:
-        set_object, node = self._scene.set_object, self.nodes[part]
-        if part == "axes":
-            set_object(node, axes(look.scale * _LENGTH, look.scale * _WIDTH, _fade(AXIS_COLORS, look.age)))
-        elif part == "names":
-            height = look.scale * _NAME_HEIGHT
-            set_object(node, Text(self._frame, height, _fade(_WHITE, look.age), below=True))
-        else:
-            set_object(f"{node}/shaft", Solids("cylinder", [np.eye(4)], _fade(_SHAFT_COLOR, look.age)))
-            set_object(f"{node}/head", Solids("cone", [np.eye(4)], _fade(_HEAD_COLOR, look.age)))
 
 
 def _fade(color: Matrix, age: float) -> Matrix:

@@ -4,11 +4,10 @@ from itertools import count
 
 import numpy as np
 
-from course_lib.arrays import Matrix
 from course_lib.displays.shapes import placement
 from course_lib.displays.viewer import Viewer
 from course_lib.displays.views import TopDownOrtho
-from course_lib.robots.turtlesim import METER, PIXELS, SIZE, Canvas, TurtlesimNode
+from course_lib.robots.turtlesim import METER, PIXELS, SIZE, TurtlesimNode
 from course_lib.viewer.drawables import Drawable, Lines, Solids
 
 ROOT = "turtlesim"
@@ -53,7 +52,17 @@ class TurtleView:
         edge = PIXELS / METER  # [m]
         box = placement(UNTURNED, (edge, edge, 0.01), (SIZE / 2, SIZE / 2, -0.1))
         self._show("water", water, Solids("box", [box], (*water, 1.0), lit=False))
-        self._draw_lines(self._node.canvas)
+        # Draw pen lines that have grown, and remove cleared ones.
+        strips = {f"lines/{number}": strip for number, strip in enumerate(self._node.canvas.strips)}
+        for name in [name for name in self._drawn if name.startswith("lines/") and name not in strips]:
+            del self._drawn[name]
+            self.viewer.scene.delete(f"{ROOT}/{name}")
+        for name, strip in strips.items():
+            state = (id(strip), len(strip.points))
+            if self._drawn.get(name) != state:
+                points = [(x, y, 0.0) for x, y in strip.points]
+                color = (*(channel / 255 for channel in strip.pen.color), 1.0)
+                self._show(name, state, Lines(points, color, strip.pen.width / METER))
         scene = self.viewer.scene
         for name in self._turtles.keys() - self._node.turtles.keys():
             del self._turtles[name]
@@ -68,27 +77,11 @@ class TurtleView:
                 shell_color = SHELLS[self._turtles[name] % len(SHELLS)]
                 scene.set_object(f"{path}/limbs", Solids("sphere", limbs, SKIN))
                 scene.set_object(f"{path}/shell", Solids("sphere", [shell], shell_color))
-            scene.set_transform(path, _pose(turtle.x, turtle.y, turtle.theta))
-
-    def _draw_lines(self, canvas: Canvas) -> None:
-        """Draw pen lines that have grown, and remove cleared ones."""
-        strips = {f"lines/{number}": strip for number, strip in enumerate(canvas.strips)}
-        for name in [name for name in self._drawn if name.startswith("lines/") and name not in strips]:
-            del self._drawn[name]
-            self.viewer.scene.delete(f"{ROOT}/{name}")
-        for name, strip in strips.items():
-            state = (id(strip), len(strip.points))
-            if self._drawn.get(name) != state:
-                points = [(x, y, 0.0) for x, y in strip.points]
-                color = (*(channel / 255 for channel in strip.pen.color), 1.0)
-                self._show(name, state, Lines(points, color, strip.pen.width / METER))
+            cos, sin = np.cos(turtle.theta), np.sin(turtle.theta)
+            turned = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+            scene.set_transform(path, placement(turned, 1.0, (turtle.x, turtle.y, 0.0)))
 
     def _show(self, name: str, state: object, drawable: Drawable) -> None:
         if self._drawn.get(name) != state:
             self._drawn[name] = state
             self.viewer.scene.set_object(f"{ROOT}/{name}", drawable)
-
-
-def _pose(x: float, y: float, theta: float) -> Matrix:
-    cos, sin = np.cos(theta), np.sin(theta)
-    return np.array([[cos, -sin, 0.0, x], [sin, cos, 0.0, y], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])

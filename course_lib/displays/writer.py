@@ -99,7 +99,13 @@ def _with_properties(holder: _Configured, entries: Mapping[str, Any]) -> dict[st
         place = config
         for name in path:
             place[name] = place = dict(_map(place, name))
-        value = _rviz_notation(prop.convert, holder[prop.label])
+        value = holder[prop.label]
+        if prop.convert is color:
+            value = "; ".join(map(str, value))
+        elif prop.convert is vector:
+            value = {axis: _float32(number) for axis, number in zip("XYZ", value, strict=True)}
+        elif isinstance(value, float):
+            value = _float32(value)
         if prop.path in parents or prop.convert is booleans:
             value = {**_map(place, last), **(value if isinstance(value, dict) else {"Value": value})}
         place[last] = value
@@ -110,15 +116,6 @@ def _map(config: Mapping[str, Any], label: str) -> Mapping[str, Any]:
     """Return the map under a label, or an empty one if the value has another type."""
     value = config.get(label)
     return value if isinstance(value, Mapping) else {}
-
-
-def _rviz_notation(convert: Any, value: Any) -> Any:
-    """Return a value in RViz's notation."""
-    if convert is color:
-        return "; ".join(map(str, value))
-    if convert is vector:
-        return {axis: _float32(number) for axis, number in zip("XYZ", value, strict=True)}
-    return _float32(value) if isinstance(value, float) else value
 
 
 def _float32(number: float) -> float | int:

@@ -69,7 +69,13 @@ class PublishPoint(Tool):
         stamped: Message = message_class(self.type_name)()
         stamped.header.frame_id = frame
         stamped.header.stamp.sec, stamped.header.stamp.nanosec = divmod(stamp_ns, NS)
-        self._fill(stamped, point, yaw)
+        if hasattr(stamped, "point"):
+            stamped.point.x, stamped.point.y, stamped.point.z = map(float, point)
+        else:
+            # A pose on the ground; z of the point is 0.
+            pose = getattr(stamped.pose, "pose", stamped.pose)
+            pose.position.x, pose.position.y = float(point[0]), float(point[1])
+            pose.orientation.z, pose.orientation.w = sin(yaw / 2), cos(yaw / 2)
         return stamped
 
     def confirmation(self, topic: str, message: Message) -> str:
@@ -94,10 +100,6 @@ class PublishPoint(Tool):
         """The fully resolved name of its topic."""
         return "/" + str(self["Topic"]).removeprefix("/")
 
-    def _fill(self, stamped: Message, point: Vector, yaw: float) -> None:
-        """Set the point [m] and the direction about z [rad]."""
-        stamped.point.x, stamped.point.y, stamped.point.z = map(float, point)
-
 
 class SetGoal(PublishPoint):
     """A tool that publishes the pose dragged on the ground."""
@@ -116,9 +118,6 @@ class SetGoal(PublishPoint):
             f"Orientation({q.x:g}, {q.y:g}, {q.z:g}, {q.w:g}) = Angle: {2 * atan2(q.z, q.w):g}"
         )
 
-    def _fill(self, stamped: Message, point: Vector, yaw: float) -> None:
-        _set_pose(stamped.pose, point, yaw)
-
 
 class SetInitialPose(SetGoal):
     """A tool that publishes the pose dragged on the ground, with a covariance."""
@@ -133,10 +132,12 @@ class SetInitialPose(SetGoal):
         Property("Covariance yaw", 0.06853891909122467, number()),  # [rad^2]; (pi / 12)^2 as float32
     )
 
-    def _fill(self, stamped: Message, point: Vector, yaw: float) -> None:
-        _set_pose(stamped.pose.pose, point, yaw)
+    def message(self, frame: str, stamp_ns: int, point: Vector, yaw: float) -> Message:
+        """Return the message for a pose, with the covariance in the properties."""
+        stamped = super().message(frame, stamp_ns, point, yaw)
         for index, axis in ((0, "x"), (7, "y"), (35, "yaw")):
             stamped.pose.covariance[index] = self[f"Covariance {axis}"]
+        return stamped
 
 
 def all_tools() -> tuple[Tool, ...]:
@@ -204,9 +205,3 @@ def publish(node: RvizNode, tools: Iterable[Tool], fixed_frame: str, order: Publ
     message = tool.message(fixed_frame, node.now_ns, order.point, order.angle)
     node.publish(tool.topic, tool.type_name, qos_of(tool), message)
     return tool.confirmation(tool.topic, message)
-
-
-def _set_pose(pose: Message, point: Vector, yaw: float) -> None:
-    """Set a pose on the ground; z of the point is 0."""
-    pose.position.x, pose.position.y = float(point[0]), float(point[1])
-    pose.orientation.z, pose.orientation.w = sin(yaw / 2), cos(yaw / 2)

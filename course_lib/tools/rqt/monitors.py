@@ -80,21 +80,19 @@ class ConsoleView(RqtView):
         ]
         more = f", the newest {_LOGS_SHOWN} of them here" if len(matching) > _LOGS_SHOWN else ""
         count = f"<p class='rqt-dim'>Displaying {len(matching)} of {len(self._logs)} messages{more}</p>"
-        return count + table(
-            _LOG_HEADS, [self._row(*entry) for entry in matching[:_LOGS_SHOWN]], "Log messages"
-        )
+        rows = []
+        for number, log in matching[:_LOGS_SHOWN]:
+            severity, sign = _SEVERITIES.get(log.level, _SEVERITIES[20])
+            message = escape(log.msg)
+            if self["Highlight"] and self._matches("Highlight", log.msg):
+                message = f"<mark>► {message}</mark>"
+            stamp = f"{log.stamp.sec}.{log.stamp.nanosec:09d}"
+            location = escape(f"{log.file}:{log.function}:{log.line}")
+            rows.append([str(number), message, icon(sign) + severity, escape(log.name), stamp, location])
+        return count + table(_LOG_HEADS, rows, "Log messages")
 
     def _matches(self, control: str, text: str) -> bool:
         return self[control].lower() in text.lower()
-
-    def _row(self, number: int, log: Any) -> list[str]:
-        severity, sign = _SEVERITIES.get(log.level, _SEVERITIES[20])
-        message = escape(log.msg)
-        if self["Highlight"] and self._matches("Highlight", log.msg):
-            message = f"<mark>► {message}</mark>"
-        stamp = f"{log.stamp.sec}.{log.stamp.nanosec:09d}"
-        location = escape(f"{log.file}:{log.function}:{log.line}")
-        return [str(number), message, icon(sign) + severity, escape(log.name), stamp, location]
 
 
 # Window of the statistics, in robot time.
@@ -249,7 +247,23 @@ class RobotMonitorView(RqtView):
         counts = " · ".join(f"{icon(level)}{levels.count(level)} {level.upper()}" for level in _LEVELS[::-1])
         head = f"<p>{stale_text}ast message on {self._topic} came {age:.1f} s ago. {counts}</p>"
         tree = table(("Device", "Level", "Message"), map(self._row, self.paths()), "Devices")
-        return head + self._timeline() + tree + self._details()
+        # A bar per message, whose height is the level.
+        bars = ""
+        for number, (_, level) in enumerate(self._history):
+            high = 6 * (1 + _LEVELS.index(level))
+            bars += tag("rect", x=9 * number, y=26 - high, width=7, height=high, fill=color_of(level))
+        history = ", ".join(level.upper() for _, level in self._history)
+        count = format_count(len(self._history), "message")
+        details = ""
+        if (path := self["Details of"]) in self._statuses:
+            status, level = self._statuses[path][1], self._level(path)
+            pairs = [("Message", status.message), ("Hardware ID", status.hardware_id)]
+            pairs += [(pair.key, pair.value) for pair in status.values]
+            rows = [list(map(escape, pair)) for pair in pairs]
+            details = f"<p>{icon(level)}<b>{escape(path)}</b>: {level.upper()}</p>"
+            details += table(("Key", "Value"), rows, path)
+        timeline = drawing(bars, 9 * _HISTORY, 28, f"The last {count}: {history}")
+        return head + timeline + tree + details
 
     def _level(self, path: str) -> str:
         heard_ns, status = self._statuses[path]
@@ -272,28 +286,6 @@ class RobotMonitorView(RqtView):
         name = icon(level) + escape(path.rpartition("/")[2])
         indented = tag("span", name, style=f"padding-left:{18 * (path.count('/') - 1)}px")
         return [indented, level.upper(), escape(message)]
-
-    def _timeline(self) -> str:
-        """Draw a bar per message, whose height is the level."""
-        bars = ""
-        for number, (_, level) in enumerate(self._history):
-            high = 6 * (1 + _LEVELS.index(level))
-            bars += tag("rect", x=9 * number, y=26 - high, width=7, height=high, fill=color_of(level))
-        levels = ", ".join(level.upper() for _, level in self._history)
-        return drawing(
-            bars, 9 * _HISTORY, 28, f"The last {format_count(len(self._history), 'message')}: {levels}"
-        )
-
-    def _details(self) -> str:
-        if (path := self["Details of"]) not in self._statuses:
-            return ""
-        status, level = self._statuses[path][1], self._level(path)
-        pairs = [("Message", status.message), ("Hardware ID", status.hardware_id)]
-        pairs += [(pair.key, pair.value) for pair in status.values]
-        rows = [list(map(escape, pair)) for pair in pairs]
-        return f"<p>{icon(level)}<b>{escape(path)}</b>: {level.upper()}</p>" + table(
-            ("Key", "Value"), rows, path
-        )
 
 
 _STEP = re.compile(r"(\w+)(?:\[(\d+)\])?")
@@ -531,7 +523,14 @@ class BagView(RqtView):
             format_count(len(self._topics), "topic"),
         )
         description = f"{messages} of {topics}, the cursor at {self._at:.2f} s"
-        return drawing(shapes, _LEFT + _WIDTH + 90, height, description) + self._message()
+        earlier = self._samples[: self._index(self._at)]
+        sample = next((s for s in reversed(earlier) if s.topic == self["Message of"]), None)
+        last = "<p class='rqt-dim'>Choose a topic to see its last message before the cursor.</p>"
+        if sample is not None:
+            stamp = (sample.stamp_ns - self._recording.start_ns) * 1e-9
+            fields = escape(to_yaml(sample.message(), PrintOptions()))
+            last = f"<p><b>{escape(sample.topic)}</b> at {stamp:.3f} s</p><pre>{fields}</pre>"
+        return drawing(shapes, _LEFT + _WIDTH + 90, height, description) + last
 
     def _line(self, row: int, topic: str) -> str:
         """Draw a topic's name, a mark at each pixel with messages, and the number of messages."""
@@ -542,15 +541,6 @@ class BagView(RqtView):
         line = tag("path", d=f"M{_LEFT} {y - 4}h{_WIDTH}", stroke="var(--rqt-line)")
         ends = text(topic[-26:], _LEFT - 8, y, "end") + text(str(len(stamps)), _LEFT + _WIDTH + 8, y)
         return line + tag("path", d=marks, stroke="#0072b2") + ends
-
-    def _message(self) -> str:
-        earlier = self._samples[: self._index(self._at)]
-        sample = next((s for s in reversed(earlier) if s.topic == self["Message of"]), None)
-        if sample is None:
-            return "<p class='rqt-dim'>Choose a topic to see its last message before the cursor.</p>"
-        stamp = (sample.stamp_ns - self._recording.start_ns) * 1e-9
-        text = escape(to_yaml(sample.message(), PrintOptions()))
-        return f"<p><b>{escape(sample.topic)}</b> at {stamp:.3f} s</p><pre>{text}</pre>"
 
     def _index(self, seconds: float) -> int:
         """Return the number of messages up to a time [s]."""
