@@ -4,6 +4,7 @@ import getpass
 import os
 import sys
 import webbrowser
+from collections.abc import Mapping
 from html import escape
 from importlib.util import find_spec
 from typing import Any
@@ -35,6 +36,19 @@ def running_cell() -> tuple[str, str] | None:
     parent: dict[str, Any] = getattr(shell, "get_parent", dict)() or {}
     cell = parent.get("metadata", {}).get("cellId")
     return (str(cell), str(parent["header"]["msg_id"])) if cell else None
+
+
+def send_to_page(target: str, data: Mapping[str, Any]) -> None:
+    """Send data to the kit's extension of JupyterLab if this code runs in a notebook's kernel.
+
+    Args:
+        target: The name of the comm target that the extension has registered.
+        data: The data, which can be written as JSON.
+    """
+    if in_notebook():
+        from ipykernel.comm import Comm
+
+        Comm(target_name=target, data=dict(data)).close()
 
 
 def hub_prefix() -> str | None:

@@ -20,7 +20,7 @@ from course_lib.course.questions import show
 from course_lib.course.state import memory_span, student_state
 from course_lib.errors import CourseError, did_you_mean, format_count
 from course_lib.files import write_atomically
-from course_lib.host import in_notebook
+from course_lib.host import in_notebook, send_to_page
 from course_lib.third_party import read_bytes, read_json, read_text
 
 Notebook = dict[str, Any]
@@ -110,17 +110,31 @@ def stamp(notebook: Notebook, student: str) -> bool:
 
 
 def stamp_exercises(folder: Path, student: str) -> list[Path]:
-    """Store the ID in all exercises of the student's folder; skip files that are not notebooks."""
-    exercises = sorted(folder.glob("week*_exercise*.ipynb"))
-    for path in exercises:
-        try:
-            notebook = read_notebook(path)
-        except CourseError:
-            # `course check` reports these errors. They must not prevent a student from setting the
-            # ID.
-            continue
-        if stamp(notebook, student):
-            write_atomically(path, notebook_text(notebook).encode())
+    """Store the ID in all exercises of the student's folder; skip files that are not notebooks.
+
+    An open notebook in JupyterLab gets it, too. JupyterLab compares the hash of a file with the one
+    that it has read or written, and would ask at the next save which of both versions to discard.
+    """
+    exercises = []
+    # Hashes of the new files by the hashes of the files that they replace.
+    replaced: dict[str, str] = {}
+    try:
+        for path in sorted(folder.glob("week*_exercise*.ipynb")):
+            try:
+                before = hashlib.sha256(read_bytes(path)).hexdigest()
+                notebook = read_notebook(path)
+            except (CourseError, OSError):
+                # `course check` reports these errors. They must not prevent a student from setting
+                # the ID.
+                continue
+            exercises.append(path)
+            if stamp(notebook, student):
+                text = notebook_text(notebook).encode()
+                write_atomically(path, text)
+                replaced[before] = hashlib.sha256(text).hexdigest()
+    finally:
+        if replaced:
+            send_to_page("course-lib:identity", {"student": student, "replaced": replaced})
     return exercises
 
 
@@ -255,7 +269,7 @@ def set_identity(text: str) -> str:
             ) from None
         if stamped:
             where += f" and in {format_count(len(stamped), 'exercise')}"
-            then = " If JupyterLab says that an open one has changed on disk, choose Overwrite."
+            then = " If an editor says that an open one has changed on disk, choose Overwrite."
     return f"Your ID is {student}, stored {where}.{then}"
 
 

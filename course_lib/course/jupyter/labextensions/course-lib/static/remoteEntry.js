@@ -22,6 +22,8 @@
   const NARROW_WINDOW = 900; // [px] width of a window of which the file browser would take a third or more
   const PANEL_TITLE = "RViz"; // in the title of a panel with a view
 
+  const IDENTITY_TARGET = "course-lib:identity"; // of the comm by which a kernel reports the student's ID
+
   /** Modules that JupyterLab shares: name, version, entry. */
   let scope = {};
 
@@ -290,6 +292,22 @@
       }));
   }
 
+  /**
+   * Put an ID that the kit has written into the files of notebooks into those that are open, too. JupyterLab would take
+   * it for a change by somebody else, and ask at the next save which of both versions to discard.
+   */
+  function updateIdentity(tracker, { student, replaced }) {
+    tracker.forEach(({ context }) => {
+      const { model, contentsModel } = context;
+      const hash = replaced[contentsModel?.hash];
+      if (!hash) return;
+      const { dirty } = model;
+      model.setMetadata("course", { ...model.getMetadata("course"), student });
+      context._updateContentsModel?.({ ...contentsModel, hash }); // no public function sets the hash
+      if (!dirty) context.save(); // what was saved stays saved
+    });
+  }
+
   /** Return the cell of each widget, by the widget's model: of several cells, the one that was run last. */
   function newestCells(cells) {
     const newest = new Map();
@@ -439,6 +457,10 @@
           // A cell starts: what it changes belongs to its own picture.
           sessionContext.iopubMessage.connect((_, { header }) => header.msg_type === "execute_input" && savePictures(panel));
           sessionContext.statusChanged.connect((_, status) => ENDED_STATUSES.includes(status) && showEnded(panel));
+          const listen = (kernel) =>
+            kernel?.registerCommTarget(IDENTITY_TARGET, (_, { content }) => updateIdentity(tracker, content.data));
+          listen(sessionContext.session?.kernel);
+          sessionContext.kernelChanged.connect((_, { newValue }) => listen(newValue));
           // A hub that culls an idle kernel ends its session, too.
           sessionContext.sessionChanged.connect((_, { newValue }) => newValue || showEnded(panel));
         };
