@@ -48,7 +48,7 @@ def send_to_page(target: str, data: Mapping[str, Any]) -> None:
     if in_notebook():
         from ipykernel.comm import Comm
 
-        Comm(target_name=target, data=dict(data)).close()
+        Comm(target_name=target, data=dict(data)).close()  # type: ignore[no-untyped-call]  # has no types
 
 
 def hub_prefix() -> str | None:
