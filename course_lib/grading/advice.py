@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
 from importlib import resources
-from typing import Any, TypeGuard
+from typing import Any
 
 import numpy as np
 
@@ -120,8 +120,10 @@ class Advice:
             lines = [FILL_IN]
         elif task.scenarios and not result.passed:
             hints = self.hint(task, result, source, caught)
+            # A mistake in the code that a handler of the student hides.
+            hidden = caught.mistake if caught is not None and not result.errors else ""
             causes = (
-                caught_mistake_hint(caught, result)
+                [f"Hint: {hidden}"] * bool(hidden)
                 or parameter_order_hint(task, source)
                 or missing_return_hint(task, evidence, source)
                 or wrong_type_hint(evidence)
@@ -274,12 +276,12 @@ class Code:
         tree = parse(snippet)
         expressions = [_expressions(statement, whole=True) for statement in getattr(tree, "body", ())]
         return bool(expressions) and all(
-            any(self._has_expression(part) for part in parts) for parts in expressions
-        )
-
-    def _has_expression(self, part: str) -> bool:
-        return part in self._expressions or (
-            " = " in part and any(e.endswith(f".{part}") for e in self._expressions)
+            any(
+                part in self._expressions
+                or (" = " in part and any(e.endswith(f".{part}") for e in self._expressions))
+                for part in parts
+            )
+            for parts in expressions
         )
 
 
@@ -480,13 +482,6 @@ def own_returns(function: ast.AST) -> Iterator[ast.Return]:
             yield from own_returns(node)
 
 
-def caught_mistake_hint(caught: CaughtErrors | None, result: TaskResult) -> list[str]:
-    """Return a hint about a mistake in the code that a handler of the student hides, or []."""
-    if caught is None or not caught.mistake or result.errors:
-        return []
-    return [f"Hint: {caught.mistake}"]
-
-
 def parameter_order_hint(task: Task, source: str) -> list[str]:
     """Return a sentence about parameters whose number or order differs from the exercise, or []."""
     given = _released_parameters(task.week, task.name)
@@ -568,21 +563,19 @@ def missing_node_hint(evidence: Iterable[Evidence], source: str) -> list[str]:
     """Return a sentence about a missing node whose parameters the scenario sets, or []."""
     ran = (record for record in evidence if not record.errors and not record.stopped)
     matches = [re.search(rf"{NO_NODE} (/\w+)", record.output) for record in ran]
-    names = [node.args[0] for node in ast.walk(parse(source)) if _is_super_init(node)]
-    own = [name.value for name in names if isinstance(name, ast.Constant)]
-    text = f", which here is {own[0]!r}" if own else ""
+    text = ""
+    for node in ast.walk(parse(source)):
+        match node:
+            case ast.Call(
+                func=ast.Attribute(attr="__init__", value=ast.Call()), args=[ast.Constant(value=name), *_]
+            ):
+                text = f", which here is {name!r}"
+                break
     return [
         f"Hint: ros2 param set finds no node {match[1]}. Compare the name in super().__init__{text}."
         for match in matches[:1]
         if match
     ]
-
-
-def _is_super_init(node: ast.AST) -> TypeGuard[ast.Call]:
-    match node:
-        case ast.Call(func=ast.Attribute(attr="__init__", value=ast.Call()), args=[_, *_]):
-            return True
-    return False
 
 
 # Policies that a subscription requests and a publisher does not offer, with the value to pass

@@ -21,13 +21,6 @@ _ALL_ERRORS = {"Exception", "BaseException"}
 _MISTAKES = (NameError, AttributeError, TypeError, ImportError, AssertionError)
 
 
-def _is_late() -> bool:
-    """Return whether more than half of the scenario is over, or no scenario runs."""
-    graph = current_graph()
-    end_ns = graph.end_ns
-    return end_ns is None or 2 * graph.now_ns > START_NS + end_ns
-
-
 @dataclass(frozen=True)
 class Handler:
     """A handler of errors: an `except` clause or a call of `suppress`.
@@ -92,8 +85,11 @@ class CaughtErrors:
                 error.__traceback__ = before
                 if handler.kinds & _ALL_ERRORS and isinstance(error, _MISTAKES):
                     self.mistake = text
-                elif _is_late():
-                    self.other = text
+                else:
+                    graph = current_graph()
+                    # More than half of the scenario is over, or no scenario runs.
+                    if graph.end_ns is None or 2 * graph.now_ns > START_NS + graph.end_ns:
+                        self.other = text
         return self._trace_errors
 
 

@@ -59,9 +59,12 @@ def check(task_id: str, subject: Any = MISSING) -> None:
         return
     catalog, student = shipped_catalog(), current_identity()
     if not isinstance(task_id, str):
-        raise CourseError(
-            f"{task_id!r} is not a task: pass its name first, like {_example(catalog, task_id)}"
-        )
+        # The example is for the task whose object was passed in place of the id, if there is one.
+        name = getattr(task_id, "__name__", "")
+        tasks = list(catalog.tasks.values())
+        matching = [task for task in tasks if task.name == name] or tasks
+        example = _call_text(matching[0]) if matching else 'check("week01.task", MyNode)'
+        raise CourseError(f"{task_id!r} is not a task: pass its name first, like {example}")
     task = catalog.task(task_id)
     if subject is MISSING:
         raise CourseError(f"check needs your object as its second argument. Write: {_call_text(task)}")
@@ -207,14 +210,3 @@ def table_of(
 
 def _call_text(task: Task) -> str:
     return f'check("{task.id}", {task.name})'
-
-
-def _example(catalog: Catalog, subject: Any) -> str:
-    """Return an example call.
-
-    If a task's object was passed in place of the id, the example is for this task.
-    """
-    name = getattr(subject, "__name__", "")
-    tasks = list(catalog.tasks.values())
-    matching = [task for task in tasks if task.name == name] or tasks
-    return _call_text(matching[0]) if matching else 'check("week01.task", MyNode)'

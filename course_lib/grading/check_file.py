@@ -116,10 +116,13 @@ class RootCauses:
 
     def is_only_cause(self, result: TaskResult) -> bool:
         """Return whether these errors are the only reason why the task failed."""
-        return bool(self._kept and result.errors) and all(map(self._is_consequence, result.errors))
-
-    def _is_consequence(self, error: str) -> bool:
-        unknown = _UNKNOWN_NAME.match(error)
-        if unknown is None:
-            return error.endswith(NOT_DEFINED)
-        return unknown[1] in self._undefined or (self._cell_missing and unknown[1] not in self._defined)
+        for error in result.errors:
+            unknown = _UNKNOWN_NAME.match(error)
+            if unknown is None:
+                follows = error.endswith(NOT_DEFINED)
+            else:
+                is_lost = self._cell_missing and unknown[1] not in self._defined
+                follows = is_lost or unknown[1] in self._undefined
+            if not follows:
+                return False
+        return bool(self._kept and result.errors)

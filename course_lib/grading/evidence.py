@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from numbers import Real
@@ -172,6 +173,13 @@ class Evidence:
     stopped: str = ""
     personal: Mapping[str, Any] = field(default_factory=dict)
     checks: tuple[Check, ...] = field(default=(), compare=False, repr=False)
+    # The decoded messages by topic, and the values of `compute_once` by function.
+    _decoded: dict[str, list[tuple[float, Any]]] = field(
+        default_factory=dict, init=False, compare=False, repr=False
+    )
+    _computed: dict[Callable[..., Any], Any] = field(
+        default_factory=dict, init=False, compare=False, repr=False
+    )
 
     @cached_property
     def recording(self) -> Recording:
@@ -187,9 +195,17 @@ class Evidence:
 
     def messages(self, topic: str) -> list[tuple[float, Any]]:
         """Return (time since the start [s], message) pairs of a topic, without other types."""
+        from course_lib.ros.messages.definitions import field_definitions
+
         if topic not in self._decoded:
-            pairs = [(s.stamp_ns, _decode(s)) for s in self.samples if s.topic == topic]
-            self._decoded[topic] = [((ns - START_NS) / 1e9, m) for ns, m in pairs if m is not None]
+            known_types = field_definitions()
+            messages = self._decoded[topic] = []
+            for sample in self.samples:
+                # Looking up an unknown type takes milliseconds, and there may be 100,000 samples of it.
+                if sample.topic == topic and sample.type_name in known_types:
+                    # A student's process sent the bytes, which need not be a valid message.
+                    with suppress(Exception):
+                        messages.append(((sample.stamp_ns - START_NS) / 1e9, sample.message()))
         return self._decoded[topic]
 
     def compute_once(self, make: Callable[[Evidence], Found]) -> Found:
@@ -211,27 +227,6 @@ class Evidence:
         """Discard decoded messages and computed values, which use ten times the memory of the samples."""
         self._decoded.clear()
         self._computed.clear()
-
-    @cached_property
-    def _decoded(self) -> dict[str, list[tuple[float, Any]]]:
-        return {}
-
-    @cached_property
-    def _computed(self) -> dict[Callable[..., Any], Any]:
-        return {}
-
-
-def _decode(sample: Sample) -> Any:
-    from course_lib.ros.messages.definitions import field_definitions
-
-    if sample.type_name not in field_definitions():
-        # Looking up an unknown type takes milliseconds, and there may be 100,000 samples of it.
-        return None
-    try:
-        return sample.message()
-    except Exception:
-        # A student's process sent the bytes, which need not be a valid message.
-        return None
 
 
 @dataclass(frozen=True)

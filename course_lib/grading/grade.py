@@ -27,7 +27,6 @@ from pathlib import Path
 from types import FrameType
 
 import course_lib
-from course_lib.course.course_file import CourseFile
 from course_lib.course.exercise import exercise_from, notebook_text, read_notebook
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
@@ -36,7 +35,7 @@ from course_lib.grading.executors import executors, flow
 from course_lib.grading.jail.filters import Need
 from course_lib.grading.judge import judge
 from course_lib.grading.marks import GradebookRow, MarkedResult, mark, read_marks, stored_result
-from course_lib.grading.records import Fault, Judgement, Result, Submission, TaskResult
+from course_lib.grading.records import Fault, Judgement, Result, Submission
 from course_lib.grading.reports.rendering import join_few, printable, say
 from course_lib.grading.reports.report import has_page, report
 from course_lib.grading.reports.tables import review_reasons, write_check_times, write_tables
@@ -163,7 +162,13 @@ def judge_trial(trial: Trial, course: store.Course, evidence_file: Path) -> str:
     score, max_score = sum(r.score for r in marked_tasks), sum(r.points for r in marked_tasks)
     expected = "all" if is_solution else "none"
     mark = f"the {trial.name} {trial.path} gets {score:g} of {max_score:g} points, expected {expected}"
-    summaries = [_summarize(result, is_solution=is_solution) for result in wrong[:MOST_SHOWN]]
+    summaries = []
+    for result in wrong[:MOST_SHOWN]:
+        # The task's points, the first check with the wrong verdict, and the first error.
+        checks = [c for c in result.checks if c.weight and (c.score < 1 if is_solution else c.score > 0)]
+        failures = [f"{c.scenario}, {c.title!r}: {c.broken or c.message}" for c in checks[:1]]
+        points = f"{result.task}: {result.score:g} of {result.points:g}"
+        summaries.append("; ".join([points, *failures, *result.errors[:1]]))
     return ". ".join([mark, *judgement.cell_errors[:is_solution], *summaries])
 
 
@@ -222,13 +227,6 @@ def _run(trials: Iterable[Trial], out: Path, runner: Executor) -> dict[Trial, Pa
         with store.writing(out):
             write_atomically(path, evidence)
     return evidence_paths
-
-
-def _summarize(result: TaskResult, *, is_solution: bool) -> str:
-    """Return the task's points, the first check with the wrong verdict, and the first error."""
-    checks = [c for c in result.checks if c.weight and (c.score < 1 if is_solution else c.score > 0)]
-    failures = [f"{c.scenario}, {c.title!r}: {c.broken or c.message}" for c in checks[:1]]
-    return "; ".join([f"{result.task}: {result.score:g} of {result.points:g}", *failures, *result.errors[:1]])
 
 
 def _failure_message(wrong: Mapping[Trial, str], course: store.Course) -> str:
@@ -331,26 +329,19 @@ def _find(submissions: Path, course: store.Course) -> list[Submission]:
         submissions, settings.counts, settings.zone, with_rejected=True, is_accepted=is_accepted
     )
     resolved = resolve_ids(all_submissions, submissions)
-    for line in (
-        *skipped_files(submissions),
-        *unfinished_lines(submissions),
-        *_extension_lines(resolved, settings),
-    ):
+    for line in (*skipped_files(submissions), *unfinished_lines(submissions)):
         say(line)
-    # Paths in results are relative to the folder of submissions, so that both can be moved.
-    return [replace(s, path=s.path.relative_to(submissions)) for s in resolved]
-
-
-def _extension_lines(submissions: Iterable[Submission], settings: CourseFile) -> Iterator[str]:
-    """Yield a note for each week with extensions for unknown names, such as a misspelled group."""
-    weeks = {submission.exercise.split("_")[0] for submission in submissions} & settings.weeks.keys()
-    students = {submission.student for submission in submissions}
+    # Extensions may name an unknown student, such as a misspelled group.
+    students = {submission.student for submission in resolved}
+    weeks = {submission.exercise.split("_")[0] for submission in resolved} & settings.weeks.keys()
     for week in sorted(weeks):
         if unknown := settings.unknown_extensions(week, students):
-            yield (
+            say(
                 f"note: the extensions of {week} in course.toml contain {join_few(unknown)}: "
                 "there is no such group, and no such student has submitted anything."
             )
+    # Paths in results are relative to the folder of submissions, so that both can be moved.
+    return [replace(s, path=s.path.relative_to(submissions)) for s in resolved]
 
 
 def _find_pending(
@@ -579,7 +570,7 @@ def _finish(
     with store.writing(out):
         marked_results = write_tables(out, zone)
     results = [result.result for result in marked_results]
-    for line in (*_task_lines(results), *_fault_lines(results)):
+    for line in _result_lines(results):
         say(line)
     statuses = sorted(Counter(row.status for row in rows).items())
     counts = ", ".join(f"{number} {status}" for status, number in statuses)
@@ -613,24 +604,23 @@ def _note_lines(submissions: Sequence[Submission]) -> Iterator[str]:
             yield f"note of {count}: {kind}. reports/index.html has all notes"
 
 
-def _task_lines(results: Iterable[Result]) -> list[str]:
-    """Return a line per automatically marked task: results, mean, and results with full marks."""
+def _result_lines(results: Sequence[Result]) -> Iterator[str]:
+    """Yield a line per automatically marked task: results, mean, and results with full marks.
+
+    Then yield a line for each check that raised an exception, and for each reason of lost pages.
+    """
     scores: dict[str, list[float]] = {}
     points: dict[str, float] = {}
     for result in results:
         for task in (task for task in result.tasks if not task.rubric):
             scores.setdefault(task.task, []).append(task.score)
             points[task.task] = task.points
-    return [
-        f"{task:30} {len(task_scores):5} graded  mean {sum(task_scores) / len(task_scores):5.1f} "
-        f"of {points[task]:g}  "
-        f"{sum(score >= points[task] for score in task_scores)} with full marks"
-        for task, task_scores in sorted(scores.items())
-    ]
-
-
-def _fault_lines(results: Sequence[Result]) -> Iterator[str]:
-    """Yield a line for each check that raised an exception, and for each reason of lost pages."""
+    for name, task_scores in sorted(scores.items()):
+        yield (
+            f"{name:30} {len(task_scores):5} graded  mean {sum(task_scores) / len(task_scores):5.1f} "
+            f"of {points[name]:g}  "
+            f"{sum(score >= points[name] for score in task_scores)} with full marks"
+        )
     broken, lost = defaultdict[str, list[str]](list), defaultdict[str, list[str]](list)
     for result in results:
         for error in result.judgement.broken if result.judgement else ():

@@ -141,7 +141,19 @@ def detections(
     Its stamp is `delay` [s] earlier: a detector needs time, and the stamp is that of the image.
     """
     seen = header(at - delay, frame)
-    fields = {"header": seen, "detections": [{"header": seen, **_detection(box)} for box in found]}
+    reported = [
+        {
+            "header": seen,
+            "id": str(box.track),
+            "bbox": {
+                "center": {"position": xyz(box.center), "orientation": yaw_quaternion(box.yaw)},
+                "size": xyz(box.size),
+            },
+            "results": [{"hypothesis": {"class_id": box.label, "score": box.confidence}}],
+        }
+        for box in found
+    ]
+    fields = {"header": seen, "detections": reported}
     return Message("/objects", "vision_msgs/msg/Detection3DArray", fields, at=at)
 
 
@@ -286,7 +298,17 @@ def set_parameters(node: str, at: float, *, at_once: bool = False, **values: Any
 
     With `at_once` all values belong together: the node's callback gets them in one list.
     """
-    parameters = [{"name": name, "value": _parameter(value)} for name, value in values.items()]
+    # A value of another type is a `my(...)` value, which becomes a double.
+    kinds = {
+        bool: (1, "bool_value"),
+        int: (2, "integer_value"),
+        str: (4, "string_value"),
+        list: (8, "double_array_value"),
+    }
+    parameters = []
+    for name, value in values.items():
+        number, field = kinds.get(type(value), (3, "double_value"))
+        parameters.append({"name": name, "value": {"type": number, field: value}})
     service, kind = ("_atomically", "Atomically") if at_once else ("", "")
     return Message(
         f"{node}/set_parameters{service}",
@@ -299,23 +321,3 @@ def set_parameters(node: str, at: float, *, at_once: bool = False, **values: Any
 def _upright(place: Vector) -> Mapping[str, Any]:
     """Return the fields of a Pose message without rotation."""
     return {"position": xyz(place), "orientation": {"w": 1.0}}
-
-
-def _parameter(value: Any) -> Mapping[str, Any]:
-    """Return the fields of a ParameterValue message; a `my(...)` value becomes a double."""
-    number, field = {
-        bool: (1, "bool_value"),
-        int: (2, "integer_value"),
-        str: (4, "string_value"),
-        list: (8, "double_array_value"),
-    }.get(type(value), (3, "double_value"))
-    return {"type": number, field: value}
-
-
-def _detection(box: Found) -> Mapping[str, Any]:
-    center = {"position": xyz(box.center), "orientation": yaw_quaternion(box.yaw)}
-    return {
-        "id": str(box.track),
-        "bbox": {"center": center, "size": xyz(box.size)},
-        "results": [{"hypothesis": {"class_id": box.label, "score": box.confidence}}],
-    }

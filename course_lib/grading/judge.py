@@ -134,10 +134,25 @@ class _Judge:
         self._verdicts = {}
         self._titles = {check.judge: check.title for check in run.scenario.checks}
         evidence = replace(run.evidence, checks=all_checks(run.scenario.checks))
-        rows = [_row(check, run, self._verdict(check, evidence)) for check in run.scenario.checks]
+        rows = []
+        for check in run.scenario.checks:
+            verdict = self._verdict(check, evidence)
+            # The comparison is also false for NaN.
+            score = verdict.score if 0 <= verdict.score <= 1 else 0.0
+            row = CheckResult(
+                title=check.title,
+                scenario=run.scenario.name,
+                is_hidden=run.is_hidden,
+                weight=check.weight,
+                score=score,
+                message=verdict.message,
+                mistake=verdict.mistake or ("as expected" if score == 1 else "not as expected"),
+                broken=verdict.broken,
+                seconds=self._seconds[check.judge],
+            )
+            rows.append(row)
         evidence.release()
-        took = [self._seconds[check.judge] for check in run.scenario.checks]
-        return [replace(row, seconds=seconds) for row, seconds in zip(rows, took, strict=True)]
+        return rows
 
     def _verdict(self, check: Check, evidence: Evidence) -> Verdict:
         """Return a check's verdict, with score 0 if a check that it requires fails.
@@ -194,19 +209,3 @@ def _location(check: Check, error: BaseException) -> str:
     if check.origin is None and code is not None:
         return f"{'/'.join(Path(code.co_filename).parts[-3:])} line {code.co_firstlineno}: "
     return f"{check.origin.location}: " if check.origin else ""
-
-
-def _row(check: Check, run: Run, verdict: Verdict) -> CheckResult:
-    # The comparison is also false for NaN.
-    score = verdict.score if 0 <= verdict.score <= 1 else 0.0
-    mistake = verdict.mistake or ("as expected" if score == 1 else "not as expected")
-    return CheckResult(
-        title=check.title,
-        scenario=run.scenario.name,
-        is_hidden=run.is_hidden,
-        weight=check.weight,
-        score=score,
-        message=verdict.message,
-        mistake=mistake,
-        broken=verdict.broken,
-    )

@@ -82,8 +82,11 @@ def _growing(cls: ast.ClassDef, function: Function, owners: set[str], *, is_cert
                 continue
         items = _resolve(grown, aliases)
         owner = ".".join(items.split(".")[:2])
-        if is_certain and not is_several and not _reads_first(function, items):
-            continue
+        if is_certain and not is_several:
+            # The first item is one that an earlier call added, so a function that reads it is wrong.
+            read = (ast.unparse(part) for part in ast.walk(function) if isinstance(part, ast.Subscript))
+            if f"{items}[0]" not in read:
+                continue
         if owner in owners and not _is_shortened(cls, items, owner):
             yield (
                 f"{items} keeps the items of each earlier call of {function.name}: empty it there "
@@ -172,13 +175,6 @@ def _free_names(function: Function) -> set[str]:
     return {node.id for node in names} - local - set(dir(builtins))
 
 
-def _reads_first(function: Function, items: str) -> bool:
-    """Return whether a function reads the first item of a list, which an earlier call added."""
-    return any(
-        isinstance(node, ast.Subscript) and ast.unparse(node) == f"{items}[0]" for node in ast.walk(function)
-    )
-
-
 def _is_shortened(scope: ast.ClassDef | Function, items: str, owner: str) -> bool:
     """Return whether a class, outside of __init__, or a function shortens or replaces a list."""
     functions = (
@@ -217,6 +213,7 @@ def _is_shortened(scope: ast.ClassDef | Function, items: str, owner: str) -> boo
 def _kept_containers(function: Function) -> Iterator[str]:
     """Yield a sentence for each list or dictionary outside of a function that the function fills."""
     free = _free_names(function)
+    used = {ast.unparse(node) for node in ast.walk(function) if isinstance(node, ast.Attribute)}
     for node in ast.walk(function):
         match node:
             case ast.Expr(value=ast.Call(func=ast.Attribute(value=ast.Name(id=name), attr=method))) if (
@@ -227,18 +224,11 @@ def _kept_containers(function: Function) -> Iterator[str]:
                 pass
             case _:
                 continue
-        if name in free and not _is_emptied(function, name):
+        if name in free and not any(f"{name}.{method}" in used for method in _SHORTENING):
             yield (
                 f"{name} is outside of {function.name} and keeps what each earlier call put into "
                 f"it: create it in {function.name}."
             )
-
-
-def _is_emptied(function: Function, name: str) -> bool:
-    removing = [f"{name}.{method}" for method in _SHORTENING]
-    return any(
-        isinstance(node, ast.Attribute) and ast.unparse(node) in removing for node in ast.walk(function)
-    )
 
 
 def _kept_globals(function: Function) -> Iterator[str]:

@@ -29,7 +29,6 @@ from course_lib.grading.records import (
     to_plain,
 )
 from course_lib.grading.store import digest_of, lock_marks, marks_path, result_path
-from course_lib.grading.task import Row
 from course_lib.host import user_name
 from course_lib.third_party import read_json
 
@@ -117,9 +116,10 @@ def add_marks(
         by = by or user_name()
         new = [replace(_hand_mark(task, entry, marks_of_task, by), sha256=sha256) for entry in entries]
         if revision is not None and revision != revision_of(marks_of_task, task.task, sha256):
-            if list(map(_without_time, marks_of_task[-len(new) :])) == list(map(_without_time, new)):
+            last = marks_of_task[-len(new) :]
+            if [replace(mark, at="") for mark in last] == [replace(mark, at="") for mark in new]:
                 # The page sent the marks again, because the first answer was lost.
-                return marks_of_task[-len(new) :]
+                return last
             cause = f"{marks_of_task[-1].by if marks_of_task else 'somebody'} has marked"
             if not revision.startswith(f"{sha256[:8]}-"):
                 cause = "the student has changed"
@@ -140,8 +140,15 @@ def add_marks(
 
 
 def _hand_mark(task: TaskResult, entry: MarkEntry, before: Sequence[HandMark], by: str) -> HandMark:
-    row = _find_row(task.rubric, entry.row) if entry.row else None
-    text, max_points = (row.text, row.points) if row else ("", task.points)
+    text, max_points = "", task.points
+    if entry.row:
+        rows = {str(number): row for number, row in enumerate(task.rubric, 1)}
+        matching = (row for row in task.rubric if row.text.casefold().startswith(entry.row.casefold()))
+        row = rows.get(entry.row) or next(matching, None)
+        if row is None:
+            known = "; ".join(f"{number} {row.text} ({row.points:g})" for number, row in rows.items())
+            raise CourseError(f"--row {entry.row}: the rubric has {known or 'no rows: leave out --row'}")
+        text, max_points = row.text, row.points
     before, at = standing_marks(before), datetime.now(UTC).isoformat(timespec="seconds")
     if entry.withdraw:
         if not any(text in ("", mark.row) for mark in before):
@@ -156,10 +163,6 @@ def _hand_mark(task: TaskResult, entry: MarkEntry, before: Sequence[HandMark], b
     last = next((mark.comment for mark in reversed(before) if mark.row == text), "")
     comment = last if entry.comment is None else entry.comment
     return HandMark(task.task, entry.points, text, comment, by, at)
-
-
-def _without_time(mark: HandMark) -> HandMark:
-    return replace(mark, at="")
 
 
 def apply_marks(result: TaskResult, marks: Iterable[HandMark], sha256: str) -> TaskResult:
@@ -189,15 +192,6 @@ def task_mark(marks: Iterable[HandMark]) -> HandMark | None:
 def has_task_mark(marks: Sequence[HandMark]) -> bool:
     """Return whether the last points of a task are for the whole task, not for a row of its rubric."""
     return next((not mark.row for mark in reversed(marks) if mark.points is not None), False)
-
-
-def _find_row(rubric: Sequence[Row], name: str) -> Row:
-    numbers = {str(number): row for number, row in enumerate(rubric, 1)}
-    matching = (row for row in rubric if row.text.casefold().startswith(name.casefold()))
-    if row := numbers.get(name) or next(matching, None):
-        return row
-    rows = "; ".join(f"{number} {row.text} ({row.points:g})" for number, row in enumerate(rubric, 1))
-    raise CourseError(f"--row {name}: the rubric has {rows or 'no rows: leave out --row'}")
 
 
 MARK_COLUMNS = tuple(field.name for field in fields(Mark))

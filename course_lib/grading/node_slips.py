@@ -38,7 +38,11 @@ def find_slip(source: str) -> str:
                 *_unread_attributes(outer),
             ):
                 return slip
-        attributes = _attributes_of_self(outer) if isinstance(outer, ast.ClassDef) else set()
+        attributes = {
+            node.attr
+            for node in (ast.walk(outer) if isinstance(outer, ast.ClassDef) else ())
+            if isinstance(node, ast.Attribute) and ast.unparse(node.value) == "self"
+        }
         functions = outer.body if isinstance(outer, ast.ClassDef | ast.Module) else []
         for function in functions:
             if isinstance(function, Function):
@@ -478,11 +482,3 @@ def _destructive_callbacks(cls: ast.ClassDef) -> Iterator[str]:
                         f"{quote(statement)} in {function.name} {_ENDINGS[name]} when the "
                         "callback runs for the first time: leave it out."
                     )
-
-
-def _attributes_of_self(cls: ast.ClassDef) -> set[str]:
-    return {
-        node.attr
-        for node in ast.walk(cls)
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self"
-    }

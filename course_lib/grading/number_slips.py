@@ -65,9 +65,9 @@ def _wrong_angles(function: Function) -> Iterator[str]:
                 yield f"{quote(node)}: angles are in radians here, and {ast.unparse(degrees)}° is {turn}."
 
 
-def _is_conversion(node: ast.AST, names: tuple[str, ...] = ("degrees", "rad2deg")) -> bool:
-    """Return whether an expression is a call that converts an angle, by default to degrees."""
-    return isinstance(node, ast.Call) and getattr(node.func, "attr", "") in names
+def _is_conversion(node: ast.AST) -> bool:
+    """Return whether an expression is a call that converts an angle to degrees."""
+    return isinstance(node, ast.Call) and getattr(node.func, "attr", "") in ("degrees", "rad2deg")
 
 
 # Usual names of angles in degrees.
@@ -109,26 +109,23 @@ def _cut_quotients(function: Function) -> Iterator[str]:
             case ast.Assign(
                 targets=[ast.Name(id=name)],
                 value=ast.Call(func=ast.Name(id="int" | "round" as cut), args=[argument]),
-            ) if any(isinstance(part, ast.Div) for part in ast.walk(argument)) or _is_scaled(argument):
+            ):
+                is_fraction = any(isinstance(part, ast.Div) for part in ast.walk(argument))
+                match argument:
+                    # A product with a fraction, like steps * 0.02.
+                    case ast.BinOp(op=ast.Mult(), left=left, right=right):
+                        numbers = [
+                            factor.value for factor in (left, right) if isinstance(factor, ast.Constant)
+                        ]
+                        is_fraction |= any(isinstance(number, float) and number % 1 for number in numbers)
                 places = [inner for other in ast.walk(function) for inner in _integer_operands(other)]
-                if not any(uses(place, name) for place in places):
+                if is_fraction and not any(uses(place, name) for place in places):
                     yield f"{cut}( ) leaves out the fraction of {name}: is a whole number meant?"
             case ast.Return(value=ast.Tuple(elts=items) | ast.List(elts=items)):
                 for item in items:
                     match item:
                         case ast.Call(func=ast.Name(id="round"), args=[_, *_]):
                             yield f"{quote(item)} leaves out digits: return the number itself."
-
-
-def _is_scaled(node: ast.expr) -> bool:
-    """Return whether a value is a product with a fraction, like steps * 0.02."""
-    match node:
-        case ast.BinOp(op=ast.Mult(), left=left, right=right):
-            return any(
-                isinstance(factor, ast.Constant) and isinstance(factor.value, float) and factor.value % 1
-                for factor in (left, right)
-            )
-    return False
 
 
 def _integer_operands(node: ast.AST) -> Iterator[ast.AST]:
@@ -147,14 +144,15 @@ def _integer_operands(node: ast.AST) -> Iterator[ast.AST]:
 def _integer_arrays(function: Function) -> Iterator[str]:
     """Yield a sentence for each array of integers that cuts off the fractions of numbers."""
     created: dict[str, str] = {}
+    parameters = [argument.arg for argument in function.args.args]
     for node in ast.walk(function):
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call() as call) if _has_integers(call):
                 created[name] = ast.unparse(call)
     for node in ast.walk(function):
         match node:
-            case ast.Assign(targets=targets, value=value) if _may_be_fraction(value) or _is_parameter(
-                function, value
+            case ast.Assign(targets=targets, value=value) if _may_be_fraction(value) or (
+                isinstance(value, ast.Name) and value.id in parameters
             ):
                 parts = [part for target in targets for part in getattr(target, "elts", [target])]
                 for part in parts:
@@ -168,10 +166,6 @@ def _integer_arrays(function: Function) -> Iterator[str]:
                 yield f"{quote(node)} cuts off the fraction of each number: leave out the integer type."
 
 
-def _is_parameter(function: Function, value: ast.expr) -> bool:
-    return isinstance(value, ast.Name) and value.id in [argument.arg for argument in function.args.args]
-
-
 def _has_integers(call: ast.Call) -> bool:
     """Return whether a call creates an array of integers, as np.array([0, 0]) does."""
     match call:
@@ -181,14 +175,11 @@ def _has_integers(call: ast.Call) -> bool:
             numbers = [node for node in ast.walk(items) if isinstance(node, ast.Constant)]
             has_names = any(isinstance(node, ast.Name | ast.Call) for node in ast.walk(items))
             whole = bool(numbers) and all(type(number.value) is int for number in numbers) and not has_names
-            return _integer_type(call) or (whole and not _has_type(call))
+            has_type = len(call.args) > 1 or any(keyword.arg == "dtype" for keyword in call.keywords)
+            return _integer_type(call) or (whole and not has_type)
         case ast.Call(func=ast.Attribute(attr=name)) if name in _FILLED:
             return _integer_type(call)
     return False
-
-
-def _has_type(call: ast.Call) -> bool:
-    return len(call.args) > 1 or any(keyword.arg == "dtype" for keyword in call.keywords)
 
 
 def _integer_type(call: ast.Call) -> bool:
@@ -316,15 +307,15 @@ def _short_periods(function: Function) -> Iterator[str]:
             case ast.Assign(targets=[ast.Attribute(attr="timer_period_ns")], value=value) if not (
                 # A variable may already be in nanoseconds.
                 isinstance(value, ast.Name)
-                or any(map(_is_large, ast.walk(value)))
+                or any(
+                    isinstance(part, ast.Constant)
+                    and isinstance(part.value, int | float)
+                    and part.value >= 1e3
+                    for part in ast.walk(value)
+                )
                 or re.search(r"_ns\b|nanoseconds|NS\b|\*\*", ast.unparse(value))
             ):
                 yield f"{quote(node)}: in nanoseconds this is int(({ast.unparse(value)}) * 1e9)."
-
-
-def _is_large(node: ast.AST) -> bool:
-    value = node.value if isinstance(node, ast.Constant) else None
-    return isinstance(value, int | float) and value >= 1e3
 
 
 def _comparisons_with_nan(function: Function) -> Iterator[str]:

@@ -54,17 +54,14 @@ def function_slips(function: Function, attributes: set[str]) -> Iterator[str]:
     yield from _odd_operators(function)
     yield from _constant_conditions(function)
     yield from _replaced_parameters(function)
-    yield from _empty_results(function)
-    yield from _lost_factors(function)
+    yield from _odd_calls(function)
     yield from _shared_defaults(function)
     yield from _lost_results(function)
     yield from _endless_loops(function)
     if function.args.args[:1] and function.args.args[0].arg == "self":
         yield from _blocking_calls(function)
         yield from _waiting_loops(function)
-        yield from _python_timers(function)
-        yield from _early_lookups(function)
-        yield from _idle_lambdas(function)
+        yield from _odd_node_calls(function)
         yield from _lost_counts(function)
         yield from _reset_attributes(function)
     yield from _other_files(function)
@@ -563,7 +560,9 @@ def _endless_loops(function: Function) -> Iterator[str]:
     """Yield a sentence for each loop that publishes and never ends, as ROS 1 programs have it."""
     for node in ast.walk(function):
         match node:
-            case ast.While(test=test, body=body) if ast.unparse(test) in _ENDLESS and not _leaves(body):
+            case ast.While(test=test, body=body) if ast.unparse(test) in _ENDLESS and not any(
+                isinstance(part, ast.Break | ast.Return) for one in body for part in ast.walk(one)
+            ):
                 methods = {
                     call.func.attr
                     for call in ast.walk(node)
@@ -572,24 +571,17 @@ def _endless_loops(function: Function) -> Iterator[str]:
                 # A function that spins the node itself is a program of its own.
                 if methods & {"spin", "spin_once", "spin_until_future_complete"}:
                     continue
-                if methods & set(_SENDING) or _calls_own_method(node):
+                calls_own_method = any(
+                    isinstance(one, ast.Expr)
+                    and isinstance(one.value, ast.Call)
+                    and ast.unparse(one.value.func).startswith("self.")
+                    for one in body
+                )
+                if methods & set(_SENDING) or calls_own_method:
                     yield (
                         f'"while {ast.unparse(test)}" in {function.name} never ends, so that no callback of '
                         "the node is called. A timer repeats the work: self.create_timer(period, function)."
                     )
-
-
-def _leaves(body: Sequence[ast.stmt]) -> bool:
-    return any(isinstance(node, ast.Break | ast.Return) for part in body for node in ast.walk(part))
-
-
-def _calls_own_method(loop: ast.While) -> bool:
-    return any(
-        isinstance(node, ast.Expr)
-        and isinstance(node.value, ast.Call)
-        and ast.unparse(node.value.func).startswith("self.")
-        for node in loop.body
-    )
 
 
 def _is_wait(statement: ast.stmt) -> bool:
@@ -601,9 +593,26 @@ def _is_wait(statement: ast.stmt) -> bool:
     return False
 
 
-def _python_timers(function: Function) -> Iterator[str]:
+def _odd_node_calls(function: Function) -> Iterator[str]:
+    """Yield a sentence for each call of a method that has a better counterpart in ROS, or other arguments.
+
+    A lookup at the present time is too early: no transform has reached it.
+    """
     for node in ast.walk(function):
         match node:
+            case ast.Call(func=ast.Attribute(attr="lookup_transform"), args=[_, _, time], keywords=[]) if (
+                re.search(r"\.now\(\)(\.to_msg\(\))?$", ast.unparse(time))
+            ):
+                yield (
+                    f"{ast.unparse(time)} in lookup_transform is later than the last transform "
+                    "that has arrived: pass the stamp of a message, or Time() for the newest "
+                    "transform."
+                )
+            case ast.Call(func=ast.Attribute(attr="create_timer" | "create_subscription"), args=args):
+                for argument in args:
+                    if isinstance(argument, ast.Lambda) and isinstance(argument.body, ast.Attribute):
+                        name = ast.unparse(argument.body)
+                        yield f"{quote(argument)} does not call {argument.body.attr}: pass {name} alone."
             case ast.Call(
                 func=ast.Attribute(value=ast.Name(id="threading"), attr="Timer" | "Thread")
                 | ast.Name(id="Timer" | "Thread")
@@ -643,23 +652,16 @@ _FIELD_NAMES = {
 }
 
 
-def _early_lookups(function: Function) -> Iterator[str]:
-    """Yield a sentence for each lookup at the present time, which no transform has reached."""
+def _odd_calls(function: Function) -> Iterator[str]:
+    """Yield a sentence for each empty result of a parameter callback, and for each product of three."""
     for node in ast.walk(function):
         match node:
-            case ast.Call(func=ast.Attribute(attr="lookup_transform"), args=[_, _, time], keywords=[]) if (
-                re.search(r"\.now\(\)(\.to_msg\(\))?$", ast.unparse(time))
-            ):
+            case ast.Return(value=ast.Call(func=ast.Name("SetParametersResult"), args=[], keywords=[])):
                 yield (
-                    f"{ast.unparse(time)} in lookup_transform is later than the last transform "
-                    "that has arrived: pass the stamp of a message, or Time() for the newest "
-                    "transform."
+                    "SetParametersResult() rejects the values, without a reason. Write "
+                    "SetParametersResult(successful=True), or successful=False and a reason in "
+                    "quotes."
                 )
-
-
-def _lost_factors(function: Function) -> Iterator[str]:
-    for node in ast.walk(function):
-        match node:
             case ast.Call(
                 func=ast.Attribute(value=ast.Name(id="np"), attr="matmul" | "dot" as name), args=[a, b, c]
             ):
@@ -668,16 +670,6 @@ def _lost_factors(function: Function) -> Iterator[str]:
                     f"np.{name} multiplies two matrices; the third is where the result is stored. "
                     f"Write {product}."
                 )
-
-
-def _idle_lambdas(function: Function) -> Iterator[str]:
-    for node in ast.walk(function):
-        match node:
-            case ast.Call(func=ast.Attribute(attr="create_timer" | "create_subscription"), args=args):
-                for argument in args:
-                    if isinstance(argument, ast.Lambda) and isinstance(argument.body, ast.Attribute):
-                        name = ast.unparse(argument.body)
-                        yield f"{quote(argument)} does not call {argument.body.attr}: pass {name} alone."
 
 
 def _other_files(function: Function) -> Iterator[str]:
@@ -693,18 +685,6 @@ def _other_files(function: Function) -> Iterator[str]:
                 func=ast.Attribute(attr="read_text", value=ast.Call(args=[ast.Constant(value=str(name))]))
             ) if saved and name not in saved:
                 yield f"The layout is saved as {saved[0]}, but the text is read from {name}: use one name."
-
-
-def _empty_results(function: Function) -> Iterator[str]:
-    """Yield a sentence for each empty result of a parameter callback."""
-    for node in ast.walk(function):
-        match node:
-            case ast.Return(value=ast.Call(func=ast.Name("SetParametersResult"), args=[], keywords=[])):
-                yield (
-                    "SetParametersResult() rejects the values, without a reason. Write "
-                    "SetParametersResult(successful=True), or successful=False and a reason in "
-                    "quotes."
-                )
 
 
 def find_hidden_error(source: str) -> str:
@@ -837,13 +817,6 @@ def _lost_locals(function: Function, attributes: set[str]) -> Iterator[str]:
             )
 
 
-def _is_local(function: Function, name: str) -> bool:
-    """Return whether a function sets a variable or has a parameter of this name."""
-    names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
-    stored = {node.id for node in names if isinstance(node.ctx, ast.Store)}
-    return name in stored | {argument.arg for argument in function.args.args}
-
-
 def _foreign_letters(function: Function) -> Iterator[str]:
     """Yield a sentence for each string with a foreign letter that looks like a Latin one."""
     for node in ast.walk(function):
@@ -853,6 +826,9 @@ def _foreign_letters(function: Function) -> Iterator[str]:
 
 
 def _plain_strings(function: Function) -> Iterator[str]:
+    names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
+    local = {node.id for node in names if isinstance(node.ctx, ast.Store)}
+    local |= {argument.arg for argument in function.args.args}
     formatted = {
         id(node.func.value)
         for node in ast.walk(function)
@@ -868,7 +844,7 @@ def _plain_strings(function: Function) -> Iterator[str]:
             and id(node) not in formatted | inside
             and (field := _FIELD.search(node.value))
             # Code in a string of several lines has its own f-strings and dictionaries.
-            and ("\n" not in node.value or _is_local(function, re.split(r"\W", field[0])[1]))
+            and ("\n" not in node.value or re.split(r"\W", field[0])[1] in local)
         ):
             text = field[0] if "\n" in node.value else node.value[:_LONGEST]
             yield f"the string {text!r} has names in {{ }}: write f before its quotes."

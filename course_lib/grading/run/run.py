@@ -254,7 +254,12 @@ def unpack(data: bytes, steps: Sequence[Step]) -> ExerciseRun:
         content = msgpack.unpackb(gzip.decompress(data), strict_map_key=False)
         if content["version"] != VERSION:
             raise ValueError(f"it is of version {content['version']}, expected {VERSION}")
-        evidence_by_scenario = {(row["task"], row["scenario"]): _evidence(row) for row in content["evidence"]}
+        evidence_by_scenario = {}
+        for row in content["evidence"]:
+            samples = tuple(Sample(**{**sample, "qos": Qos(**sample["qos"])}) for sample in row["samples"])
+            lists = {name: tuple(row[name]) for name in ("returns", "errors")}
+            key = (row["task"], row["scenario"])
+            evidence_by_scenario[key] = Evidence(**{**row, **lists, "samples": samples})
         runs = [Run(s.scenario, evidence_by_scenario[s.task.id, s.scenario.name], s.is_hidden) for s in steps]
         log, isolation = CellLog(**content["log"]), Isolation(tuple(content["isolation"]))
     except Exception as error:
@@ -264,11 +269,5 @@ def unpack(data: bytes, steps: Sequence[Step]) -> ExerciseRun:
 
 
 def _fields_of(data: Any) -> dict[str, Any]:
-    """Return the fields of a dataclass, without cached properties."""
-    return {field.name: getattr(data, field.name) for field in fields(data)}
-
-
-def _evidence(row: dict[str, Any]) -> Evidence:
-    samples = tuple(Sample(**{**sample, "qos": Qos(**sample["qos"])}) for sample in row["samples"])
-    texts = {name: tuple(row[name]) for name in ("returns", "errors")}
-    return Evidence(**{**row, **texts, "samples": samples})
+    """Return the fields of a dataclass, without computed ones and cached properties."""
+    return {field.name: getattr(data, field.name) for field in fields(data) if field.init}

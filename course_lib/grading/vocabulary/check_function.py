@@ -55,7 +55,17 @@ def check_arguments(name: str, parameters: Iterable[Parameter], values: Mapping[
         value, key = values[parameter.name], parameter.name
         if value is None or isinstance(value, My) or parameter.kind is Parameter.VAR_POSITIONAL:
             continue
-        expected = _expected_type(parameter.annotation, value) or _expected_length(key, value)
+        annotation = parameter.annotation
+        either = get_args(annotation) if isinstance(annotation, UnionType) else (annotation,)
+        kinds = [kind for kind in either if kind is not type(None)]
+        kind, type_text = KINDS.get(kinds[0], (object, "")) if len(kinds) == 1 else (object, "")
+        lengths, length_text = LENGTHS.get(key, ((), ""))
+        has_length = isinstance(value, Sized) and not isinstance(value, str) and len(value) in lengths
+        expected = ""
+        if not isinstance(value, kind):
+            expected = type_text
+        elif lengths and not has_length:
+            expected = f"{' or '.join(map(str, lengths))} numbers ({length_text})"
         choices = CHOICES.get((name, key), (value,))
         if not expected and value not in choices:
             expected = f"one of {', '.join(choices)}{did_you_mean(value, choices)}"
@@ -63,22 +73,6 @@ def check_arguments(name: str, parameters: Iterable[Parameter], values: Mapping[
             expected = f"a name that begins with a slash, '/{value}'"
         if expected:
             raise CourseError(f"{name}: {key}={value!r}, expected {expected}")
-
-
-def _expected_type(annotation: Any, value: Any) -> str:
-    """Return a description of the expected type if the value has another type, else ""."""
-    either = get_args(annotation) if isinstance(annotation, UnionType) else (annotation,)
-    kinds = [kind for kind in either if kind is not type(None)]
-    kind, type_text = KINDS.get(kinds[0], (object, "")) if len(kinds) == 1 else (object, "")
-    return "" if isinstance(value, kind) else type_text
-
-
-def _expected_length(name: str, value: Any) -> str:
-    """Return a description of the expected length if the value has another length, else ""."""
-    lengths, length_text = LENGTHS.get(name, ((), ""))
-    if not lengths or (isinstance(value, Sized) and not isinstance(value, str) and len(value) in lengths):
-        return ""
-    return f"{' or '.join(map(str, lengths))} numbers ({length_text})"
 
 
 MOST_SHOWN = 3  # maximum number of problems in a message
@@ -135,19 +129,16 @@ def check_function(title: str) -> Callable[[Find[Given]], Callable[Given, Check]
             full = title.format(**values.arguments, given=join_words(list(kwargs)) or "is there")
             return Check(full, judge, origin=origin)
 
-        _set_signature(expect, signature)
+        # `help` shows the author's signature: without the evidence, returning a check.
+        parameters = list(signature.parameters.values())[1:]
+        shown: Any = expect
+        shown.__signature__ = signature.replace(parameters=parameters, return_annotation=Check)
+        shown.__annotations__ = {p.name: p.annotation for p in parameters} | {"return": Check}
+        # The lines of an entry that continue it are indented further.
+        shown.__doc__ = re.sub(r"\n( +)evidence: .*(\n\1 +\S.*)*", "", expect.__doc__ or "")
         return expect
 
     return decorate
-
-
-def _set_signature(expect: Any, signature: inspect.Signature) -> None:
-    """Make `help` show the author's signature: without the evidence, returning a check."""
-    parameters = list(signature.parameters.values())[1:]
-    expect.__signature__ = signature.replace(parameters=parameters, return_annotation=Check)
-    expect.__annotations__ = {p.name: p.annotation for p in parameters} | {"return": Check}
-    # The lines of an entry that continue it are indented further.
-    expect.__doc__ = re.sub(r"\n( +)evidence: .*(\n\1 +\S.*)*", "", expect.__doc__ or "")
 
 
 def _combine(problems: Sequence[Problem]) -> Verdict:

@@ -117,7 +117,10 @@ def _check_options(
         if isinstance(expected, str) and expected.startswith("$(") and expected.endswith(")"):
             is_right = _is_forwarded(record, node, option, expected[2:-1])
         else:
-            is_right = value == expected or (isinstance(expected, float) and _is_equal(value, expected))
+            is_right = value == expected
+            if isinstance(expected, float):
+                with suppress(TypeError, ValueError):
+                    is_right = is_right or is_close(float(value or ""), expected, 1e-6)
         if not is_right:
             text = f"the argument after {option!r} of {node.executable} is {value!r}"
             if value is None:
@@ -142,13 +145,6 @@ def _is_forwarded(record: LaunchRecord, node: StartedNode, option: str, argument
             other_node = same.get((node.package, node.executable))
             return other_node is not None and other_node.options.get(option) == other.value
     return False
-
-
-def _is_equal(value: Any, expected: float) -> bool:
-    try:
-        return is_close(float(value), expected, 1e-6)
-    except (TypeError, ValueError):
-        return False
 
 
 TOPICS = ("Topic", "Description Topic", "Depth Map Topic")
@@ -243,7 +239,16 @@ def expect_colors_apart(
     """Expect the colors of a class's displays to differ pairwise by at least `by` of 255 in some channel."""
     arguments = {name: value for name, value in locals().items() if name != "evidence"}
     configs = _displays_of_class(_read_layout(evidence, call), class_name)[:MOST_COLORS]
-    colors = [_color_of(config) for config in configs]
+    colors: list[tuple[float, ...]] = []
+    for config in configs:
+        text = text_at(config, "Color") or USUAL_COLOR
+        try:
+            red, green, blue = (float(channel) for channel in text.split(";"))
+        except ValueError as error:
+            raise Problem(
+                f"the color is {text!r}, expected a color like '25; 255; 0'", "a color is malformed"
+            ) from error
+        colors.append((red, green, blue))
     if len(colors) < 2:
         message = f"the layout has one enabled display {class_name}, expected two"
         return [Problem(message, "a display is missing, or not enabled")]
@@ -287,7 +292,15 @@ def expect_drawn(
     for sample in _samples(messages, best_effort, evidence.personal):
         session.receive(sample)
     session.update(START_NS + round(messages[-1].at * 1e9) + 10**8)
-    return list(_check_drawing(session, class_name)) or _check_surplus(evidence, DRAWN, arguments)
+    rows = [row for row in session.rows() if row.level != "ok"]
+    if rows:
+        mistake = f"{class_name} or its frames show a status that is not Ok"
+        return [Problem(f"{row.display}, {row.name}: {row.text}", mistake) for row in rows]
+    objects = session.context.scene.objects()
+    if not any(path.startswith(session.displays[0].path) for path in objects):
+        message = f"{class_name} draws none of the messages that the robot publishes"
+        return [Problem(message, f"{class_name} draws nothing")]
+    return _check_surplus(evidence, DRAWN, arguments)
 
 
 def _check_surplus(
@@ -341,18 +354,6 @@ def _display_checks(evidence: Evidence) -> list[ResolvedCheck]:
 def _last_row_with_weight(rows: Sequence[ResolvedCheck]) -> ResolvedCheck:
     """Return the last check with a weight, or the last check."""
     return ([row for row in rows if row.weight > 0] or rows)[-1]
-
-
-def _check_drawing(session: RvizSession, class_name: str) -> Iterator[Problem]:
-    rows = [row for row in session.rows() if row.level != "ok"]
-    for row in rows:
-        message = f"{row.display}, {row.name}: {row.text}"
-        yield Problem(message, f"{class_name} or its frames show a status that is not Ok")
-    objects = session.context.scene.objects()
-    if not rows and not any(path.startswith(session.displays[0].path) for path in objects):
-        yield Problem(
-            f"{class_name} draws none of the messages that the robot publishes", f"{class_name} draws nothing"
-        )
 
 
 def _samples(
@@ -429,18 +430,6 @@ def _class_of(config: Config) -> str:
 def _topic_of(config: Config) -> str:
     topic = next((config[label] for label in TOPICS if label in config), None)
     return text_at(topic, "Value") if isinstance(topic, Mapping) else str(topic or "")
-
-
-def _color_of(config: Config) -> tuple[float, ...]:
-    """Return a display's red, green and blue, 0 to 255, or raise a Problem if they are invalid."""
-    text = text_at(config, "Color") or USUAL_COLOR
-    try:
-        red, green, blue = (float(part) for part in text.split(";"))
-    except ValueError as error:
-        raise Problem(
-            f"the color is {text!r}, expected a color like '25; 255; 0'", "a color is malformed"
-        ) from error
-    return red, green, blue
 
 
 def _check_values(config: Config, properties: Mapping[str, Any], subject: str) -> Iterator[Problem]:

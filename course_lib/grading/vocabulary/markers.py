@@ -372,21 +372,15 @@ class MarkerScene:
         payer = max(payers, key=lambda i: (min(self.asked[i].weight, FULL_WEIGHT), i))
         if index != payer or any(self.asked[i].is_personal for i in payers):
             return False
-        return not any(self._own_problems(i) for i in payers) and not self._is_miscounted
-
-    @property
-    def _is_miscounted(self) -> bool:
-        """Whether a check of the number of markers fails and has a weight."""
-        return any(
-            sum(
-                matches(marker, check.arguments["type"], None, None) and not invisibility_reason(marker)
-                for marker in markers
-            )
-            != check.arguments["count"]
-            for markers in [visible_markers(self._evidence, self.topic, self.at)]
-            for check in self._counts
-            if check.weight > 0
-        )
+        if any(self._own_problems(i) for i in payers):
+            return False
+        # A failing check of the number of markers costs points already.
+        shown = visible_markers(self._evidence, self.topic, self.at)
+        for check in (check for check in self._counts if check.weight > 0):
+            of_type = [marker for marker in shown if matches(marker, check.arguments["type"], None, None)]
+            if sum(not invisibility_reason(marker) for marker in of_type) != check.arguments["count"]:
+                return False
+        return True
 
     def _is_missing(self, subject: Iterable[int], marker: int) -> bool:
         """Return whether the bound marker has a different ns or id than the subject."""
@@ -413,22 +407,17 @@ class MarkerScene:
 
     def _problems(self, index: int, marker: int) -> list[Problem]:
         if (index, marker) not in self._problem_cache:
-            check = self.asked[index]
-            misnamed = self._name_problems(check.arguments, marker) if check.check_function == MARKER else []
-            find = FINDERS[check.check_function]
-            self._problem_cache[index, marker] = misnamed or find(
-                self._evidence, check.arguments, self.markers[marker]
-            )
+            kind, arguments = self.asked[index].check_function, self.asked[index].arguments
+            if kind == MARKER and _is_misnamed(self.markers[marker], arguments):
+                ns, marker_id = arguments["ns"], arguments["id"]
+                sought = [f"ns {ns!r}"] * (ns is not None) + [f"id {marker_id}"] * (marker_id is not None)
+                there = ", ".join(f"{shown.ns!r} {shown.id}" for shown in self.markers[:5])
+                message = f"no marker with {' and '.join(sought)} on {self.topic}; it shows: {there}"
+                problems = [Problem(message, WRONG_NAME)]
+            else:
+                problems = FINDERS[kind](self._evidence, arguments, self.markers[marker])
+            self._problem_cache[index, marker] = problems
         return self._problem_cache[index, marker]
-
-    def _name_problems(self, arguments: Arguments, marker: int) -> list[Problem]:
-        if not _is_misnamed(self.markers[marker], arguments):
-            return []
-        ns, marker_id = arguments["ns"], arguments["id"]
-        sought = [f"ns {ns!r}"] * (ns is not None) + [f"id {marker_id}"] * (marker_id is not None)
-        there = ", ".join(f"{marker.ns!r} {marker.id}" for marker in self.markers[:5])
-        message = f"no marker with {' and '.join(sought)} on {self.topic}; it shows: {there}"
-        return [Problem(message, WRONG_NAME)]
 
 
 def _is_misnamed(marker: Any, arguments: Arguments) -> bool:
@@ -469,17 +458,8 @@ def resolve_check(check: Check, personal: Mapping[str, Any]) -> ResolvedCheck:
     return ResolvedCheck(check.origin.check_function, arguments, check.weight, is_personal(raw_arguments))
 
 
+# The comparison of a marker by check function; motion.py adds that of a circle.
 FINDERS: dict[str, Find] = {}
-
-
-def register_finder(name: str) -> Callable[[Find], Find]:
-    """Return a decorator that registers the comparison of a marker for a check function."""
-
-    def register(find: Find) -> Find:
-        FINDERS[name] = find
-        return find
-
-    return register
 
 
 NUMBER = re.compile(r"\d+(\.\d+)?")
@@ -534,7 +514,6 @@ def expect_marker(
     return judge_marker(evidence, MARKER, arguments)
 
 
-@register_finder(MARKER)
 def _marker_problems(_: Evidence, arguments: Arguments, marker: Any) -> list[Problem]:
     noun = f"the {type_of(marker).removesuffix('_VIEW_FACING').lower().replace('_', ' ')}"
     marker_problems = (
@@ -548,6 +527,9 @@ def _marker_problems(_: Evidence, arguments: Arguments, marker: Any) -> list[Pro
         texts = _compare_height(marker, arguments["tolerance"])
         marker_problems = [Problem(f"{noun}{text}", "a marker is tilted") for text in texts]
     return marker_problems
+
+
+FINDERS[MARKER] = _marker_problems
 
 
 @check_function("the number of markers on {topic}")
@@ -717,19 +699,14 @@ def _compare_color(marker: Any, expected: Sequence[float], _: float) -> Iterator
     if not all(is_close(v, e, COLOR_TOLERANCE) for v, e in zip(value, expected, strict=True)):
         hint = " (with a = 0 it is invisible)" if marker.color.a == 0 else ""
         hint = " (colors go from 0 to 1, not to 255)" if max(value) > 1 else hint
-        swap = _exchanged_channels(value, expected) if not hint else ""
+        for i, j in combinations(range(len(expected)), 2):
+            swapped = list(value)
+            swapped[i], swapped[j] = value[j], value[i]
+            pairs = zip(swapped, expected, strict=True)
+            if not hint and all(is_close(v, e, COLOR_TOLERANCE) for v, e in pairs):
+                hint = f": {channels[i]} and {channels[j]} are exchanged"
         text = f"'s color {channels} is {_format_color(value)}, expected {_format_color(expected)}"
-        yield f"{text}{swap or hint}"
-
-
-def _exchanged_channels(value: Sequence[float], expected: Sequence[float]) -> str:
-    """Return which two channels of a color have each other's number, or ""."""
-    for i, j in combinations(range(len(expected)), 2):
-        swapped = list(value)
-        swapped[i], swapped[j] = value[j], value[i]
-        if all(is_close(v, e, COLOR_TOLERANCE) for v, e in zip(swapped, expected, strict=True)):
-            return f": {'rgba'[i]} and {'rgba'[j]} are exchanged"
-    return ""
+        yield f"{text}{hint}"
 
 
 def _format_color(color: Sequence[float]) -> str:

@@ -25,6 +25,7 @@ from course_lib.grading.vocabulary.markers import (
     ADD,
     CIRCLE,
     DIRECTIONS,
+    FINDERS,
     INVISIBLE,
     Arguments,
     invisibility_reason,
@@ -32,10 +33,8 @@ from course_lib.grading.vocabulary.markers import (
     judge_marker,
     matches,
     no_markers_problem,
-    register_finder,
 )
 from course_lib.grading.vocabulary.topics import find_silence
-from course_lib.robots.trajectory import Waypoint
 from course_lib.ros.graph.graph import START_NS
 from course_lib.ros.messages import type_name
 from course_lib.ros.programs import import_path
@@ -90,7 +89,6 @@ def expect_circle(
     return judge_marker(evidence, CIRCLE, arguments)
 
 
-@register_finder(CIRCLE)
 def _circle_problems(evidence: Evidence, arguments: Arguments, marker: Any) -> list[Problem]:
     """Return the problems of a marker's motion, or of the best-fitting marker if None is given.
 
@@ -109,6 +107,9 @@ def _circle_problems(evidence: Evidence, arguments: Arguments, marker: Any) -> l
     keys = list(paths) if marker is None else [(marker.ns, marker.id)]
     problems_by_path = [_check_path(paths[key], evidence, arguments) for key in keys if len(paths[key]) > 1]
     return min(problems_by_path, key=len) if problems_by_path else together
+
+
+FINDERS[CIRCLE] = _circle_problems
 
 
 def _marker_paths(evidence: Evidence) -> dict[str, dict[tuple[str, int], list[tuple[float, Any]]]]:
@@ -206,8 +207,12 @@ def check_turn(
         message = f"{noun} goes {names[total_angle > 0]} (from above), expected {names[counter_clockwise]}"
         return [Problem(message, "the direction of turning is wrong")]
     if period is not None:
-        if problem := _find_standstill(steps, noun):
-            return [problem]
+        still = sum(abs(step) < STILL for step in steps)
+        if still > len(steps) / 2:
+            jump = math.degrees(max(map(abs, steps)))
+            message = f"{noun} does not move in {still} of {len(steps)} messages, and jumps by {jump:.0f}°"
+            message += " in others, expected an even motion"
+            return [Problem(message, "a position is repeated from message to message")]
         actual = seconds * math.tau / abs(total_angle) if total_angle else math.inf  # [s]
         gap = describe_offset(actual, period, "too slow", "too fast", "s")
         message = f"one turn takes {format_number(actual, 's')}, expected {format_number(period, 's')}: {gap}"
@@ -229,16 +234,6 @@ def _find_jump(path: Path, steps: Sequence[float], noun: str) -> Problem | None:
     seconds = path[steps.index(jump) + 1][0]
     message = f"{message}, after {format_number(seconds, 's')}: is the angle set to another value there?"
     return Problem(message, "an angle is set back")
-
-
-def _find_standstill(steps: Sequence[float], noun: str) -> Problem | None:
-    """Return the problem of a motion that is not even: most messages repeat a position."""
-    still = sum(abs(step) < STILL for step in steps)
-    if still <= len(steps) / 2:
-        return None
-    jump = math.degrees(max(map(abs, steps)))
-    message = f"{noun} does not move in {still} of {len(steps)} messages, and jumps by {jump:.0f}° in others"
-    return Problem(f"{message}, expected an even motion", "a position is repeated from message to message")
 
 
 @check_function("where {source} is in {target}")
@@ -271,7 +266,20 @@ def expect_transform(
     except TransformException as error:
         mistake = FAILED_LOOKUPS.get(type(error).__name__, "a transform is missing")
         return [Problem(f"tf2 reports: {error}", mistake)]
-    return list(_check_pose(transform, translation or transform.translation, yaw, tolerance))
+    problems = []
+    for (axis, directions), actual, expected in zip(
+        DIRECTIONS.items(), transform.translation, translation or transform.translation, strict=True
+    ):
+        if not is_close(actual, expected, tolerance):
+            gap = describe_offset(actual, expected, *directions)
+            where = f"{axis} = {format_number(actual, 'm')}, expected {format_number(expected, 'm')}"
+            message = f"{transform.child} is {gap} in {transform.parent}: {where}"
+            problems.append(Problem(message, "the place of a frame is wrong"))
+    turn = yaw_of(*transform.rotation)
+    if yaw is not None and not are_angles_close(turn, yaw, YAW_TOLERANCE):
+        message = f"{transform.child} is turned by {format_angle(turn)} about z, expected {format_angle(yaw)}"
+        problems.append(Problem(message, "the orientation of a frame is wrong"))
+    return problems
 
 
 @check_function("{frame} goes round a circle in {target}")
@@ -326,15 +334,8 @@ def expect_circling_frame(
         or check_circle(path, distance, (0.0, 0.0), plane, tolerance, frame)
         or check_turn(path, (0.0, 0.0), period, counter_clockwise, frame)
         or list(find_silence(evidence, "/tf", [seconds for seconds, _ in path], frame))
-        or [*_check_heading(poses, heading), *_check_start(frame, first, start)]
+        or list(_check_directions(poses, heading, start))
     )
-
-
-def _check_start(frame: str, place: Sequence[float], start: float | None) -> Iterator[Problem]:
-    angle = math.atan2(place[1], place[0])  # [rad]
-    if start is not None and not are_angles_close(angle, start, YAW_TOLERANCE):
-        message = f"{frame} starts at the angle {format_angle(angle)}, expected {format_angle(start)}"
-        yield Problem(message, "a path starts at the wrong place")
 
 
 def _check_unambiguous(evidence: Evidence, frame: str) -> Iterator[Problem]:
@@ -382,33 +383,22 @@ def _iter_transforms(evidence: Evidence, topic: str) -> Iterator[tuple[float, Tr
             yield seconds, Transform.from_message(transform)
 
 
-def _check_pose(
-    transform: Transform, translation: Sequence[float], yaw: float | None, tolerance: float
+def _check_directions(
+    poses: Sequence[tuple[float, Transform]], heading: float | None, start: float | None
 ) -> Iterator[Problem]:
-    for (axis, directions), actual, expected in zip(
-        DIRECTIONS.items(), transform.translation, translation, strict=True
-    ):
-        if not is_close(actual, expected, tolerance):
-            gap = describe_offset(actual, expected, *directions)
-            where = f"{axis} = {format_number(actual, 'm')}, expected {format_number(expected, 'm')}"
-            message = f"{transform.child} is {gap} in {transform.parent}: {where}"
-            yield Problem(message, "the place of a frame is wrong")
-    if yaw is not None and not are_angles_close(turn := yaw_of(*transform.rotation), yaw, YAW_TOLERANCE):
-        came_yaw = f"{format_angle(turn)} about z, expected {format_angle(yaw)}"
-        yield Problem(f"{transform.child} is turned by {came_yaw}", "the orientation of a frame is wrong")
-
-
-def _check_heading(
-    poses: Sequence[tuple[float, Transform]],
-    heading: float | None,
-) -> Iterator[Problem]:
+    """Yield a problem for the first pose with another heading, and for another initial direction [rad]."""
     for seconds, pose in poses if heading is not None else ():
         (x, y, _), turn = pose.translation, yaw_of(*pose.rotation)
         if heading is not None and not are_angles_close(turn - math.atan2(y, x), heading, YAW_TOLERANCE):
             expected_text = f"the direction from the origin plus {format_angle(heading)}"
             message = f"after {format_number(seconds, 's')} {pose.child} is turned by {format_angle(turn)}"
             yield Problem(f"{message}, expected {expected_text}", "the orientation of a frame is wrong")
-            return
+            break
+    first = poses[0][1]
+    angle = math.atan2(first.translation[1], first.translation[0])
+    if start is not None and not are_angles_close(angle, start, YAW_TOLERANCE):
+        message = f"{first.child} starts at the angle {format_angle(angle)}, expected {format_angle(start)}"
+        yield Problem(message, "a path starts at the wrong place")
 
 
 @check_function("the last path on {topic}")
@@ -527,7 +517,13 @@ def expect_joint_swing(
     without gaps, see `find_silence`.
     """
     states = received_messages(evidence, topic, STATE)
-    swing = [(s, m.position[i]) for s, m in states if (i := _index(m, joint)) < len(m.position)]
+    # A message may have fewer positions than names.
+    swing = [
+        (seconds, position)
+        for seconds, state in states
+        for name, position in zip(state.name, state.position, strict=False)
+        if name == joint
+    ]
     if not swing:
         last = states[-1][1]
         content = ", ".join(last.name) or "no joint"
@@ -562,10 +558,6 @@ def expect_joints_still(
         verdict = check.judge(evidence)
         if verdict.score < 1:
             yield Problem(verdict.message, verdict.mistake)
-
-
-def _index(state: Any, joint: str) -> int:
-    return list(state.name).index(joint) if joint in state.name else len(state.position)
 
 
 def _check_state(state: Any, names: Sequence[str]) -> Iterator[Problem]:
@@ -717,31 +709,8 @@ def expect_trajectory(
         *_, last = waypoints_of(trajectory, list(goal), Time(nanoseconds=START_NS + round(when * 1e9)))
     # A time before 1970 raises a ValueError.
     except (CourseError, ValueError) as rejection:
-        return [Problem(f"the controller rejects it: {rejection}", "the controller rejects the trajectory")]
-    return list(_compare_goal(last, goal, when, at, seconds))
-
-
-def _find_trajectory(
-    evidence: Evidence, topic: str, index: int, points: int | None, of: int | None
-) -> tuple[float, Any]:
-    """Return (time since the start [s], trajectory), or raise a Problem if a count is wrong."""
-    actual = received_messages(evidence, topic, TRAJECTORY)
-    were = "trajectory was" if len(actual) == 1 else "trajectories were"
-    counts = f"{len(actual)} {were} published on {topic}, expected"
-    if len(actual) <= index:
-        raise Problem(f"{counts} at least {index + 1}", "a trajectory is missing")
-    if len(actual) > (of or len(actual)):
-        raise Problem(f"{counts} {of}", "the count of trajectories is wrong")
-    trajectory = actual[index][1]
-    if len(trajectory.points) != (points or len(trajectory.points)):
-        message = f"the trajectory has {format_count(len(trajectory.points), 'point')}, expected {points}"
-        raise Problem(message, "a trajectory has the wrong number of points")
-    return actual[index]
-
-
-def _compare_goal(
-    last: Waypoint, goal: Mapping[str, Any], when: float, at: float, seconds: float
-) -> Iterator[Problem]:
+        yield Problem(f"the controller rejects it: {rejection}", "the controller rejects the trajectory")
+        return
     if not is_close(when, at, TIME_TOLERANCE):
         message = (
             f"the trajectory was published after {format_number(when, 's')}, "
@@ -765,3 +734,21 @@ def _compare_goal(
             if abs(expected) > TOLERANCE and math.isclose(math.radians(position), expected, rel_tol=1e-3):
                 message += ": is it in degrees instead of radians?"
             yield Problem(message, "a trajectory leads to the wrong position of a joint")
+
+
+def _find_trajectory(
+    evidence: Evidence, topic: str, index: int, points: int | None, of: int | None
+) -> tuple[float, Any]:
+    """Return (time since the start [s], trajectory), or raise a Problem if a count is wrong."""
+    actual = received_messages(evidence, topic, TRAJECTORY)
+    were = "trajectory was" if len(actual) == 1 else "trajectories were"
+    counts = f"{len(actual)} {were} published on {topic}, expected"
+    if len(actual) <= index:
+        raise Problem(f"{counts} at least {index + 1}", "a trajectory is missing")
+    if len(actual) > (of or len(actual)):
+        raise Problem(f"{counts} {of}", "the count of trajectories is wrong")
+    trajectory = actual[index][1]
+    if len(trajectory.points) != (points or len(trajectory.points)):
+        message = f"the trajectory has {format_count(len(trajectory.points), 'point')}, expected {points}"
+        raise Problem(message, "a trajectory has the wrong number of points")
+    return actual[index]

@@ -5,7 +5,6 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 from statistics import median
 from typing import Any
@@ -35,33 +34,6 @@ NOT_ALL_THE_TIME = "a topic is not published all the time"
 FALLS_SILENT = "a topic falls silent temporarily"
 
 
-@dataclass(frozen=True)
-class StatedRate:
-    """The rate that the checks of a scenario state for a topic.
-
-    Args:
-        hz: The lowest stated rate [1/s], or None.
-        begin: The time [s] from which messages are expected.
-    """
-
-    hz: float | None
-    begin: float
-
-
-def stated_rate(evidence: Evidence, topic: str) -> StatedRate:
-    """Return the rate that the scenario states for a topic, and the time from which it applies."""
-    rows = [
-        resolve(check.origin.arguments, evidence.personal)
-        for check in evidence.checks
-        if check.origin
-        and check.origin.check_function in STATING
-        and check.origin.arguments["topic"] == topic
-    ]
-    rates = [row for row in rows if row["hz"] is not None]
-    begins = [row["begin"] for row in rates] or [row["begin"] for row in rows]
-    return StatedRate(min((row["hz"] for row in rates), default=None), min(begins, default=0.0))
-
-
 def find_silence(
     evidence: Evidence,
     topic: str,
@@ -79,16 +51,24 @@ def find_silence(
         topic: The topic whose stated rate applies.
         times: Times of the messages [s] after the start.
         noun: The subject of the problem's message.
-        hz: The rate [1/s]. None means the rate that the scenario states for the topic or, without
+        hz: The rate [1/s]. None means the lowest rate that the scenario states for the topic or, without
             one, the usual rate of the messages; then no gap may exceed half of the scenario.
         begin: Time [s] from which messages are expected. None means the time that the scenario
             states.
         end: Time [s] until which messages are expected. None means the end of the scenario.
     """
-    rate = stated_rate(evidence, topic)
-    begin = rate.begin if begin is None else begin
+    stated = [
+        resolve(check.origin.arguments, evidence.personal)
+        for check in evidence.checks
+        if check.origin
+        and check.origin.check_function in STATING
+        and check.origin.arguments["topic"] == topic
+    ]
+    rates = [row for row in stated if row["hz"] is not None]
+    if begin is None:
+        begin = min((row["begin"] for row in rates or stated), default=0.0)
     end = evidence.seconds if end is None else end
-    hz = hz or rate.hz
+    hz = hz or min((row["hz"] for row in rates), default=None)
     arrivals = sorted({seconds for seconds in times if begin - DELIVERY <= seconds <= end})  # [s]
     gaps = [after - before for before, after in pairwise(arrivals)]  # [s]
     usual = min(LONGEST_GAP * median(gaps), evidence.seconds / 2) if gaps else evidence.seconds / 2
@@ -435,19 +415,16 @@ def is_fact(serial: int, name: str, value: Any) -> bool:
             f"there are no facts about robot {serial}, only about {', '.join(map(str, DIGESTS))}"
         )
     expected = DIGESTS[serial][list(TOOLS).index(name)]
-    return any(digest(serial, name, possible) == expected for possible in _possible_facts(name, value))
-
-
-def _possible_facts(name: str, value: Any) -> list[float | str]:
-    """Return the facts that a value may represent. Rates are integers."""
+    possible: Iterable[float | str] = [value]
     if isinstance(value, str):
-        return [value.strip()]
-    if not isinstance(value, int | float) or isinstance(value, bool) or not 0 <= value <= 1e6:
-        return []
-    if name != "image_rate":
-        return [value]
-    low, high = value / (1 + RATE_TOLERANCE), value / (1 - RATE_TOLERANCE)
-    return list(range(math.ceil(low), math.floor(min(high, low + 100)) + 1))
+        possible = [value.strip()]
+    elif not isinstance(value, int | float) or isinstance(value, bool) or not 0 <= value <= 1e6:
+        return False
+    elif name == "image_rate":
+        # The rates of robots are integers.
+        low, high = value / (1 + RATE_TOLERANCE), value / (1 - RATE_TOLERANCE)
+        possible = range(math.ceil(low), math.floor(min(high, low + 100)) + 1)
+    return any(digest(serial, name, fact) == expected for fact in possible)
 
 
 @check_function("{level}, {says}")
@@ -500,12 +477,6 @@ def expect_levels(*parts: tuple[str, str, str], seconds: float = 3.0) -> tuple[C
     return (first, *(other.requiring(first) for other in middle_checks), last.worth(LAST_WEIGHT))
 
 
-def _other_spellings(text: str) -> list[str]:
-    """Return a fact in the other spellings of constants and names, like the full name."""
-    plain = text.strip().strip("/")
-    return [re.sub(r"[\s-]+", "_", plain).upper(), f"/{plain}", f"/robot/{plain}"]
-
-
 @check_function("{name}")
 def expect_fact(evidence: Evidence, name: str, *, serial: int) -> Iterable[Problem]:
     """Expect a dict with the fact `name` about the robot `serial`, rates within 3 %.
@@ -535,7 +506,10 @@ def expect_fact(evidence: Evidence, name: str, *, serial: int) -> Iterable[Probl
         unit = " and without a unit" if number[1] else ""
         message = f"{name} is {facts[name]!r}, a string; expected a number: write it without quotes{unit}"
         return [Problem(message, "a value is of the wrong kind")]
-    if isinstance(value, str) and any(is_fact(serial, name, text) for text in _other_spellings(value)):
+    bare = value.strip().strip("/") if isinstance(value, str) else ""
+    # The spelling of constants, and the full name.
+    spellings = [re.sub(r"[\s-]+", "_", bare).upper(), f"/{bare}", f"/robot/{bare}"]
+    if isinstance(value, str) and any(is_fact(serial, name, text) for text in spellings):
         message = f"{name} is {value!r}: {TOOLS[name]} spells it differently, letter by letter"
         return [Problem(message, "a fact about the robot is wrong")]
     words = value.split()[:5] if isinstance(value, str) else []
