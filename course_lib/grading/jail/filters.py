@@ -225,10 +225,6 @@ def filter_calls() -> None:
 
 def filter_program(column: int, machine: int) -> bytes:
     """Return the BPF code of the filter: pairs of a test and its action."""
-
-    def numbers(table: Mapping[str, tuple[int, int | None]]) -> list[int]:
-        return [number for row in table.values() if (number := row[column]) is not None]
-
     steps = [
         _step(LOAD, MACHINE), _step(IF_EQUAL, machine, 1, 0), _step(RETURN, KILL),
         _step(LOAD, NUMBER), *_if(IF_AT_LEAST, X32, KILL), *_if(IF_AT_LEAST, NEWER, ERROR | errno.ENOSYS),
@@ -236,8 +232,11 @@ def filter_program(column: int, machine: int) -> bytes:
         *_if(IF_EQUAL, CLONE3[column], ERROR | errno.ENOSYS),
     ]  # fmt: skip
     for table, error in ((REJECTED, errno.EPERM), (NETWORK, errno.ENETDOWN), (PRETENDED, 0)):
-        for number in numbers(table):
-            steps += _if(IF_EQUAL, number, ERROR | error)
+        for row in table.values():
+            number = row[column]
+            # Some calls exist on one architecture only.
+            if number is not None:
+                steps += _if(IF_EQUAL, number, ERROR | error)
     for call, argument, test, values in BY_ARGUMENT:
         rejections = [step for value in values for step in _if(test, value, ERROR | errno.EPERM)]
         steps += [
@@ -388,7 +387,12 @@ def apply_limits(limits: Limits, inherited_bytes: int, *, counts_from_zero: bool
         counts_from_zero: Whether the kernel counts only processes in the jail, not all of the
             user's.
     """
-    running_threads = 0 if counts_from_zero else _threads_of(os.getuid())
+    # The kernel counts the threads of all the user's processes.
+    running_threads, user = 0, os.getuid()
+    for tasks in () if counts_from_zero else Path("/proc").glob("[0-9]*/task"):
+        # The process may have just ended.
+        with suppress(OSError):
+            running_threads += len(os.listdir(tasks)) if tasks.stat().st_uid == user else 0
     soft_limits = {
         "RLIMIT_CORE": 0,
         "RLIMIT_CPU": limits.total_seconds + SPARE_SECONDS,
@@ -411,16 +415,6 @@ def address_space() -> int:
         return int(Path("/proc/self/statm").read_bytes().split()[0]) * resource.getpagesize()
     except OSError:
         return 0
-
-
-def _threads_of(user: int) -> int:
-    """Return the number of a user's threads, which the kernel counts as processes."""
-    count = 0
-    for tasks in Path("/proc").glob("[0-9]*/task"):
-        # The process may have just ended.
-        with suppress(OSError):
-            count += len(os.listdir(tasks)) if tasks.stat().st_uid == user else 0
-    return count
 
 
 def stop_writing(folder: str, megabytes: float) -> tuple[Usage, Excess | None]:

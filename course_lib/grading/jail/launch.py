@@ -52,17 +52,21 @@ def distribution_files() -> Iterator[str]:
     """
     for package in _declared_distributions():
         folder = Path(str(package.locate_file("")))
+        # importlib.metadata has no public attribute for the folder of the metadata.
+        metadata_folder = Path(str(getattr(package, "_path", ""))).name
         # The top-level names in RECORD, and the full paths in a shared `__pycache__`.
-        names = {_metadata_folder(package)}
+        names = {metadata_folder}
         for line in (package.read_text("RECORD") or "").splitlines():
             path = line.strip('"').split(",", 1)[0]
             first = path.split("/", 1)[0]
             if first not in ("", "..") and not path.startswith("/"):
                 names.add(path if first == CACHE else first)
         # The distribution has no RECORD, or was installed with -e.
-        if not names - {_metadata_folder(package)} - {name for name in names if name.endswith(".pth")}:
+        if not names - {metadata_folder} - {name for name in names if name.endswith(".pth")}:
             names |= set((package.read_text("top_level.txt") or "").split())
-            yield from _locate(package.metadata["Name"].replace("-", "_"))
+            spec = find_spec(package.metadata["Name"].replace("-", "_"))
+            if spec is not None:
+                yield from spec.submodule_search_locations or filter(None, [spec.origin])
         for name in names:
             yield str(folder / name)
             # top_level.txt lists modules without their suffix.
@@ -76,10 +80,10 @@ def _declared_distributions() -> Iterator[Distribution]:
     visited, waiting = set[tuple[str, frozenset[str]]](), [Requirement(DISTRIBUTION)]
     while waiting:
         need = waiting.pop()
-        key = (need.name.lower(), frozenset(need.extras))
-        if key in visited:
+        identity = (need.name.lower(), frozenset(need.extras))
+        if identity in visited:
             continue
-        visited.add(key)
+        visited.add(identity)
         try:
             package = distribution(need.name)
         except PackageNotFoundError as error:
@@ -91,32 +95,14 @@ def _declared_distributions() -> Iterator[Distribution]:
             continue
         yield package
         extras = need.extras or {""}
+        # Parsing the whole file, with its long description, is slow.
+        head, _, _ = (package.read_text("METADATA") or "").partition("\n\n")
+        key = "Requires-Dist:"
+        lines = [line.removeprefix(key).strip() for line in head.splitlines() if line.startswith(key)]
         waiting += [
-            more for more in map(Requirement, _requirements(package))
+            more for more in map(Requirement, lines if head else package.requires or ())
             if more.marker is None or any(more.marker.evaluate({"extra": extra}) for extra in extras)
         ]  # fmt: skip
-
-
-def _requirements(package: Distribution) -> Sequence[str]:
-    """Return a distribution's requirements, without slowly parsing its long description."""
-    head, _, _ = (package.read_text("METADATA") or "").partition("\n\n")
-    if not head:
-        return package.requires or ()
-    key = "Requires-Dist:"
-    return [line.removeprefix(key).strip() for line in head.splitlines() if line.startswith(key)]
-
-
-def _metadata_folder(package: Distribution) -> str:
-    # importlib.metadata has no public attribute for it.
-    return Path(str(getattr(package, "_path", ""))).name
-
-
-def _locate(name: str) -> Iterator[str]:
-    """Yield the paths from which a module or package is imported."""
-    spec = find_spec(name)
-    if spec is not None:
-        yield from spec.submodule_search_locations or ()
-        yield from [spec.origin] if spec.origin and not spec.submodule_search_locations else []
 
 
 @dataclass(frozen=True)
@@ -202,9 +188,11 @@ def select_readable(
     links = dict(link for path in existing for link in symlinks_along(path))
     # These are the links, not their targets.
     links |= {path: os.readlink(path) for path in paths if os.path.islink(path)}
-    return ReadablePaths(
-        tuple(_outermost(paths - links.keys())), tuple(links.items()), tuple(listed_folders), conflict
-    )
+    outermost: list[str] = []
+    for path in sorted(paths - links.keys(), key=lambda path: path.split("/")):
+        if not (outermost and _contains(outermost[-1], path)):
+            outermost.append(path)
+    return ReadablePaths(tuple(outermost), tuple(links.items()), tuple(listed_folders), conflict)
 
 
 def symlinks_along(path: str) -> Iterator[tuple[str, str]]:
@@ -243,14 +231,6 @@ def _exclude(path: str, forbidden_paths: Collection[str]) -> list[str]:
         for name in os.listdir(path)
         for remaining_path in _exclude(os.path.join(path, name), forbidden_paths)
     ]
-
-
-def _outermost(paths: Iterable[str]) -> Iterator[str]:
-    last = ""
-    for path in sorted(paths, key=lambda path: path.split("/")):
-        if not (last and _contains(last, path)):
-            last = path
-            yield path
 
 
 Root = Literal["own", "bubblewrap", "host"]
@@ -356,8 +336,17 @@ def _try_in_fork(layer: Callable[[], object]) -> bytes:
 def _move(place: JailEnvironment, read: Sequence[str], links: Sequence[tuple[str, str]]) -> None:
     if place.root == "host":
         os.chown(place.scratch, place.owner, -1)
-    if place.user != "same":
-        _change_user(place)
+    user = place.number
+    if place.user == "real":
+        # The owner of new files is unchanged, but the kernel counts processes of the real user.
+        os.setresuid(user, -1, -1)
+    elif place.user == "another":
+        # Building the root requires the capabilities that the change of user takes away.
+        filters.prctl(filters.KEEP_CAPABILITIES, 1)
+        os.setgroups([])
+        os.setresgid(user, user, user)
+        os.setresuid(user, user, user)
+        filters.use_capabilities()
     if place.root == "own":
         visible_paths = [*read, *filter(os.path.exists, DEVICES)]
         filters.enter_root(visible_paths, place.listed, links, place.scratch)
@@ -370,20 +359,6 @@ def _try(place: JailEnvironment, read: Sequence[str], links: Sequence[tuple[str,
         unreadable = [path for path in read if not os.access(path, os.R_OK, effective_ids=True)]
         if unreadable:
             raise OSError(f"another user can't read {unreadable[0]}")
-
-
-def _change_user(place: JailEnvironment) -> None:
-    """Change the user, but keep the capabilities that building the root requires."""
-    user = place.number
-    # The owner of new files is unchanged, but the kernel counts processes of the real user.
-    if place.user == "real":
-        os.setresuid(user, -1, -1)
-        return
-    filters.prctl(filters.KEEP_CAPABILITIES, 1)
-    os.setgroups([])
-    os.setresgid(user, user, user)
-    os.setresuid(user, user, user)
-    filters.use_capabilities()
 
 
 START_SECONDS = 60.0  # [s] timeout of the template's imports on a busy machine
@@ -580,8 +555,15 @@ def _start(
     settings = {"control": control.fileno(), "off": list(off), "place": place}
     command = [sys.executable, "-P", "-m", "course_lib.grading.jail.template", json.dumps(settings)]
     homes = dict.fromkeys(HOMES, place["scratch"])
+    if bubblewrap:
+        links = [word for link, target in files.links for word in ("--symlink", target, link)]
+        binds = [word for path in files.paths for word in ("--ro-bind", path, path)]
+        scratch = ["--perms", "0777", "--tmpfs", INSIDE]
+        identity_options = BECOME_ANOTHER.split() if os.geteuid() == 0 else []
+        options = [*BUBBLEWRAP.split(), *links, *binds, *scratch, *READ_ONLY.split(), *identity_options]
+        command = [bubblewrap, *options, "--", *command]
     return subprocess.Popen(
-        [*(_bubblewrap(bubblewrap, files) if bubblewrap else ()), *command],
+        command,
         env={**environment, **homes, **THREADS},
         cwd="/",
         stdin=subprocess.DEVNULL,
@@ -590,22 +572,3 @@ def _start(
         pass_fds=[control.fileno()],
         start_new_session=True,
     )
-
-
-def _bubblewrap(program: str, files: ReadablePaths) -> list[str]:
-    links = [word for link, target in files.links for word in ("--symlink", target, link)]
-    binds = [word for path in files.paths for word in ("--ro-bind", path, path)]
-    identity_options = BECOME_ANOTHER.split() if os.geteuid() == 0 else []
-    return [
-        program,
-        *BUBBLEWRAP.split(),
-        *links,
-        *binds,
-        "--perms",
-        "0777",
-        "--tmpfs",
-        INSIDE,
-        *READ_ONLY.split(),
-        *identity_options,
-        "--",
-    ]

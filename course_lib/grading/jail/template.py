@@ -173,7 +173,14 @@ class Template:
         if self._submission == 0:
             try:
                 self._control.detach()
-                channel = _close_other_descriptors(*descriptors)
+                os.setsid()
+                connection, output = descriptors
+                for descriptor in (1, 2):
+                    os.dup2(output, descriptor)
+                # Close all other descriptors.
+                os.closerange(3, connection)
+                os.closerange(connection + 1, resource.getrlimit(resource.RLIMIT_NOFILE)[0])
+                channel = Channel(socket.socket(fileno=connection))
                 problem = ""
                 try:
                     enter_jail(self._place, self._layers, limits)
@@ -213,9 +220,14 @@ class Template:
 
     def _kill(self) -> Usage:
         """Kill the submission with all its processes. Orphans become children of this process."""
-        usage = Usage()
+        usage, me = Usage(), os.getpid()
         while True:
-            for pid in _children() or [self._submission] * bool(self._submission):
+            pids = [self._submission] * bool(self._submission)
+            # Only Linux has this file.
+            with suppress(OSError):
+                children = Path(f"/proc/{me}/task/{me}/children").read_text().split()
+                pids = list(map(int, children)) or pids
+            for pid in pids:
                 with suppress(ProcessLookupError):
                     os.kill(pid, signal.SIGKILL)
             try:
@@ -223,16 +235,6 @@ class Template:
             except ChildProcessError:
                 self._submission = 0
                 return usage
-
-
-def _close_other_descriptors(channel: int, output: int) -> Channel:
-    """Close all file descriptors except these two."""
-    os.setsid()
-    for descriptor in (1, 2):
-        os.dup2(output, descriptor)
-    os.closerange(3, channel)
-    os.closerange(channel + 1, resource.getrlimit(resource.RLIMIT_NOFILE)[0])
-    return Channel(socket.socket(fileno=channel))
 
 
 def empty_folder(folder: str) -> None:
@@ -251,15 +253,6 @@ def empty_folder(folder: str) -> None:
             os.rename(entry.path, new_path)
             waiting.append(new_path)
         os.rmdir(path)
-
-
-def _children() -> list[int]:
-    me = os.getpid()
-    try:
-        return [int(pid) for pid in Path(f"/proc/{me}/task/{me}/children").read_text().split()]
-    except OSError:
-        # Only Linux has this file.
-        return []
 
 
 def main() -> None:

@@ -4,7 +4,7 @@ import hashlib
 import threading
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -182,21 +182,18 @@ class MarkingQueue:
         for path in sorted((self.out / "results").glob("[!.]*/[!.]*.json")):
             marks = store.marks_path(self.out, path.parent.name, path.stem)
             stamps = (_stamp(path), _stamp(marks))
-            if self._stamps.get(path) != stamps:
-                self._stamps[path] = stamps
-                self._number += 1
-                self._read_result(path)
-
-    def _read_result(self, path: Path) -> None:
-        self._problems.pop(path, None)
-        try:
-            stored = read_result(path)
-        except CourseError as error:
-            self._problems[path] = str(error)
-            return
-        self._comments[path] = list(stored.marks)
-        items = _items(stored)
-        self._items.update({item.key: (self._number, item) for item in items})
+            if self._stamps.get(path) == stamps:
+                continue
+            self._stamps[path] = stamps
+            self._number += 1
+            self._problems.pop(path, None)
+            try:
+                stored = read_result(path)
+            except CourseError as error:
+                self._problems[path] = str(error)
+                continue
+            self._comments[path] = list(stored.marks)
+            self._items |= {item.key: (self._number, item) for item in _items(stored)}
 
 
 def _stamp(path: Path) -> Stamp:
@@ -207,26 +204,24 @@ def _stamp(path: Path) -> Stamp:
     return stat.st_ino, stat.st_mtime_ns, stat.st_size
 
 
-def _items(result: MarkedResult) -> list[QueueItem]:
+def _items(result: MarkedResult) -> Iterator[QueueItem]:
     tasks, is_waiting = result.tasks, result.row.status == "needs_marking"
     first = tasks[:1] if is_waiting and not any(task.needs_hand_mark for task in tasks) else ()
-    return [_item(task, result, waits=task.needs_hand_mark or task in first) for task in tasks]
-
-
-def _item(task: TaskResult, result: MarkedResult, *, waits: bool) -> QueueItem:
     student, exercise, submission = result.student, result.exercise, result.result.submission
-    by_person = any(mark.task == task.task for mark in standing_marks(result.marks))
-    return QueueItem(
-        key=store.digest_of([student, exercise, task.task])[:20],
-        student=student,
-        exercise=exercise,
-        task=task.task,
-        title=task.title,
-        alias=hashlib.sha256(student.encode("utf-8", "surrogatepass")).hexdigest()[:6],
-        score=task.score,
-        points=task.points,
-        state="waiting" if waits else "marked" if by_person else "checks",
-        failed=tuple(dict.fromkeys(check.title for check in task.checks if not check.passed)),
-        note=submission.id_note,
-        revision=revision_of(result.marks, task.task, submission.sha256),
-    )
+    marked_tasks = {mark.task for mark in standing_marks(result.marks)}
+    for task in tasks:
+        waits = task.needs_hand_mark or task in first
+        yield QueueItem(
+            key=store.digest_of([student, exercise, task.task])[:20],
+            student=student,
+            exercise=exercise,
+            task=task.task,
+            title=task.title,
+            alias=hashlib.sha256(student.encode("utf-8", "surrogatepass")).hexdigest()[:6],
+            score=task.score,
+            points=task.points,
+            state="waiting" if waits else "marked" if task.task in marked_tasks else "checks",
+            failed=tuple(dict.fromkeys(check.title for check in task.checks if not check.passed)),
+            note=submission.id_note,
+            revision=revision_of(result.marks, task.task, submission.sha256),
+        )

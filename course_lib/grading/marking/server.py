@@ -12,7 +12,7 @@ import re
 import secrets
 import sys
 import webbrowser
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import groupby
@@ -383,7 +383,12 @@ def serve(
 
 
 async def _serve(out: Path, port: int | None, browser: bool, course: store.Course) -> None:
-    sockets = _sockets(port)
+    try:
+        sockets = open_sockets(PORT if port is None else port)
+    except CourseError:
+        if port is not None:
+            raise
+        sockets = open_sockets(0)
     follower = Follower(out, course)
     desk = MarkingState(MarkingQueue(out), follower, course, sockets[0].getsockname()[1])
     routes = [(pattern, handler, {"desk": desk}) for pattern, handler in ROUTES]
@@ -394,15 +399,6 @@ async def _serve(out: Path, port: int | None, browser: bool, course: store.Cours
     if by_hand.find_stale(out):
         follower.schedule_update()
     await follower.run()
-
-
-def _sockets(port: int | None) -> Sequence[Any]:
-    if port is not None:
-        return open_sockets(port)
-    try:
-        return open_sockets(PORT)
-    except CourseError:
-        return open_sockets(0)
 
 
 def _announce(desk: MarkingState, browser: bool) -> None:
@@ -459,7 +455,12 @@ def submitted_code(submission: Submission, out: Path, task: Task | None) -> dict
             "moved? `course grade` with --resume finds it again.",
         }
     is_unchanged = submission.sha256 in (content_hash(data, files), content_hash(data, {}))
-    own_pattern = _own_line_pattern(task) if task else None
+    own_pattern = None
+    if task is not None:
+        # A line that defines the task's object or checks it. The code need not be valid.
+        name = re.escape(task.name)
+        binds = rf"^(?:class|def|async def)\s+{name}\b|^{name}\s*[:=]"
+        own_pattern = re.compile(rf"{binds}|[\"']{re.escape(task.id)}[\"']", re.MULTILINE)
     cells = [
         {
             "title": f"Cell {number}",
@@ -469,23 +470,13 @@ def submitted_code(submission: Submission, out: Path, task: Task | None) -> dict
         for number, code in enumerate(notebook.cells[:MAX_CELLS], 1)
     ]
     more = [
-        {"title": strip_control_characters(name), "own": False, "pieces": _plain(text)}
-        for name, text in files.items()
+        {"title": strip_control_characters(file), "own": False, "pieces": _plain(text)}
+        for file, text in files.items()
     ]
     return {
         "cells": [*cells, *more],
         "problem": "" if is_unchanged else "This file has changed since it was graded.",
     }
-
-
-def _own_line_pattern(task: Task) -> re.Pattern[str]:
-    """Return a pattern for lines that define a task's object or check it.
-
-    The code need not be valid.
-    """
-    name = re.escape(task.name)
-    binds = rf"^(?:class|def|async def)\s+{name}\b|^{name}\s*[:=]"
-    return re.compile(rf"{binds}|[\"']{re.escape(task.id)}[\"']", re.MULTILINE)
 
 
 def _plain(text: str) -> Pieces:

@@ -102,8 +102,16 @@ def describe(error: BaseException) -> str:
         if isinstance(error, SyntaxError) and error.lineno
         else line_of_traceback(error.__traceback__)
     )
+    kind = type(error).__name__
+    try:
+        what = error.msg if isinstance(error, SyntaxError) else str(error)
+    except (Exception, SystemExit):
+        # __str__ may be student code and raise any exception.
+        what = "(its __str__ failed)"
+    if not isinstance(error, CourseError):
+        what = f"{kind}: {what}" if what else kind
     # ROS's errors about lists of numbers contain the limits of float64, with 309 digits.
-    what = re.sub(r"\d{40,}\.\d+", lambda found: f"{float(found[0]):.6g}", _error_text(error))[:MAX_LENGTH]
+    what = re.sub(r"\d{40,}\.\d+", lambda found: f"{float(found[0]):.6g}", what)[:MAX_LENGTH]
     place, is_raise, _ = where.partition(": raise ")
     # The source of a raise statement adds nothing to the exception's text.
     if is_raise:
@@ -111,17 +119,6 @@ def describe(error: BaseException) -> str:
     found = hint(error)
     text = f"{what}{where and f' ({where})'}{found and f'; hint: {found}'}"
     return text.encode("utf-8", "replace").decode()  # Lone surrogates cannot be encoded.
-
-
-def _error_text(error: BaseException) -> str:
-    try:
-        text = error.msg if isinstance(error, SyntaxError) else str(error)
-    except (Exception, SystemExit):
-        # __str__ may be student code and raise any exception.
-        text = "(its __str__ failed)"
-    if isinstance(error, CourseError):
-        return text
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 
 MAX_LINES = 20

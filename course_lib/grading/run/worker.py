@@ -191,21 +191,18 @@ class Worker:
         return False
 
     def _perform(self, task: str, name: str, part: Instructions, graph: Graph) -> None:
-        outcome = Outcome()
-        try:
-            perform(part, self._subject(task, name), graph, outcome)
-        except CourseError as error:
-            outcome = Outcome(errors=[str(error)])
+        """Run the object that `check` was called with, else the object with the task's name."""
+        outcome, objects = Outcome(), self._shell.user_ns
+        if task not in self._bound_objects and name not in objects:
+            outcome.errors.append(f"{name} {NOT_DEFINED}")
+        else:
+            subject = self._bound_objects[task] if task in self._bound_objects else objects[name]
+            try:
+                perform(part, subject, graph, outcome)
+            except CourseError as error:
+                outcome = Outcome(errors=[str(error)])
         _flush()
         self._channel.send(["result", outcome.returns, outcome.errors])
-
-    def _subject(self, task: str, name: str) -> Any:
-        """Return the object that `check` was called with, else the object with the task's name."""
-        if task in self._bound_objects:
-            return self._bound_objects[task]
-        if name not in self._shell.user_ns:
-            raise CourseError(f"{name} {NOT_DEFINED}")
-        return self._shell.user_ns[name]
 
 
 def cpu_seconds() -> float:
