@@ -144,23 +144,19 @@ def _copy_exercises(clone: Path, place: Path) -> bool:
         return False
 
     def left_out(where: str, names: list[str]) -> set[str]:
-        return {name for name in names if not _is_included(Path(where, name), changed_files)}
+        left = set[str]()
+        for path in (Path(where, name) for name in names):
+            is_hidden = path.is_symlink() or path.name.startswith(".")
+            suffix = path.suffix.lower()
+            is_kept = suffix in ACCEPTED_SUFFIXES and path.is_file()
+            is_included = path.name in changed_files if suffix == ".ipynb" else is_kept
+            is_of_course = path.name in ("course_lib", "notebooks", "exercises")
+            if is_hidden or is_of_course or not (path.is_dir() or is_included):
+                left.add(path.name)
+        return left
 
     shutil.copytree(folder, place, symlinks=True, ignore=left_out)
     return True
-
-
-def _is_included(path: Path, exercises: set[str]) -> bool:
-    if (
-        path.is_symlink()
-        or path.name.startswith(".")
-        or path.name in ("course_lib", "notebooks", "exercises")
-    ):
-        return False
-    if path.is_dir():
-        return True
-    is_kept = path.suffix.lower() in ACCEPTED_SUFFIXES and path.is_file()
-    return path.name in exercises if path.suffix.lower() == ".ipynb" else is_kept
 
 
 def _head_commit(clone: Path) -> str:

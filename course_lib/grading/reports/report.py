@@ -327,9 +327,12 @@ def _find_reports(
 ) -> tuple[list[str], dict[str, Reports]]:
     """Return a line for each report that is left out, and the other reports by exercise."""
     ready, lines = defaultdict[str, Reports](dict), list[str]()
-    names_by_result = {
-        id(r): _find_platform_name(r.result.submission.received.handed_in_as, form) for r in results
-    }
+    names_by_result = dict[int, PlatformName | None]()
+    for result in results:
+        # The path in the platform's download, as stored in received.csv.
+        parts = result.result.submission.received.handed_in_as.lstrip("'").split("/")
+        parsed = (file for part in parts if (file := platform_name(part)))
+        names_by_result[id(result)] = next((f for f in parsed if f.platform in form.platforms), None)
     if not any(names_by_result.values()):
         raise CourseError(
             f"no result in {out} is from a download of {form.menu.split(':')[0]}, so its student "
@@ -358,15 +361,6 @@ def _exclusion_reason(result: MarkedResult, count: int, name: str) -> str:
     if count > 1:
         return f"{count} results have the platform's number of this student"
     return "" if result.row.status in FINAL else f"it is {result.row.status}"
-
-
-def _find_platform_name(handed_in_as: str, form: Format) -> PlatformName | None:
-    """Parse the platform's name in a path of its download, as stored in received.csv."""
-    parts = handed_in_as.lstrip("'").split("/")
-    platform_names = (
-        parsed for part in parts if (parsed := platform_name(part)) and parsed.platform in form.platforms
-    )
-    return next(platform_names, None)
 
 
 def _report_name(result: MarkedResult, platform_file: PlatformName | None, form: Format) -> str:

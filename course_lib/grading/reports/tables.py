@@ -187,17 +187,6 @@ class Analysis:
         return f"{spread}. Processor time of a submission: {times}."
 
 
-def _task_rows(result: MarkedResult) -> Iterator[tuple[Any, ...]]:
-    for task in result.tasks:
-        sides = [
-            [check for check in task.checks if check.is_hidden is is_hidden] for is_hidden in (False, True)
-        ]
-        numbers = [n for side in sides for n in (sum(check.passed for check in side), len(side))]
-        by = "" if task.needs_hand_mark else "checks" if task.manual is None else "person"
-        names = (result.student, result.exercise, task.task)
-        yield (*names, task.score, task.points, int(task.is_bonus), by, *numbers)
-
-
 def analyse(exercise: str, results: Sequence[MarkedResult], out: Path) -> Analysis:
     """Return the item analysis of one exercise."""
     task_results = [result.result.tasks for result in results if result.result.tasks]
@@ -335,7 +324,13 @@ def write_tables(out: Path, zone: ZoneInfo) -> list[MarkedResult]:
     results = list(results_in(out))
     rows, results_by_exercise = list[tuple[Any, ...]](), defaultdict[str, list[MarkedResult]](list)
     for result in results:
-        rows += _task_rows(result)
+        for task in result.tasks:
+            public = [check.passed for check in task.checks if not check.is_hidden]
+            hidden = [check.passed for check in task.checks if check.is_hidden]
+            counts = (sum(public), len(public), sum(hidden), len(hidden))
+            by = "" if task.needs_hand_mark else "checks" if task.manual is None else "person"
+            names = (result.student, result.exercise, task.task)
+            rows.append((*names, task.score, task.points, int(task.is_bonus), by, *counts))
         results_by_exercise[result.exercise].append(result)
     write_atomically(out / "tasks.csv", csv_of(TASK_COLUMNS, rows))
     page = fill(

@@ -12,6 +12,7 @@ import os
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
@@ -233,8 +234,11 @@ def _download(source: Path, zone: ZoneInfo, layout: str) -> Download:
     paths = list_paths(source)
     if source.is_dir() and len(paths) == 1 and len(paths[0]) == 1 and readers.is_zip(paths[0][0]):
         inner = source / paths[0][0]
-        if not layout and _is_download(inner, zone):
-            source, paths = inner, list_paths(inner)
+        # A zip file that is alone in a folder is a platform's download, or a student's submission.
+        with suppress(CourseError):
+            inner_paths = list_paths(inner) if not layout else []
+            if inner_paths and readers.choose_layout(inner_paths, inner.name, zone).name != readers.FOLDERS:
+                source, paths = inner, inner_paths
     if not paths:
         return Download(source, readers.Layout(readers.FOLDERS, zone))
     download_layout = readers.choose_layout(paths, source.name, zone, layout)
@@ -262,15 +266,6 @@ def _download(source: Path, zone: ZoneInfo, layout: str) -> Download:
     return Download(
         source, download_layout, is_wrapped and len({path[1] for path in paths if len(path) > 2}) > 1
     )
-
-
-def _is_download(path: Path, zone: ZoneInfo) -> bool:
-    """Return whether a zip file that is alone in a folder is a platform's download, not a submission."""
-    try:
-        paths = list_paths(path)
-        return bool(paths) and readers.choose_layout(paths, path.name, zone).name != readers.FOLDERS
-    except CourseError:
-        return False
 
 
 def _read_extras(source: Path, is_wanted: Callable[[tuple[str, ...]], bool]) -> Iterator[ReceivedFile]:

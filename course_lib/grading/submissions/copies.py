@@ -409,12 +409,10 @@ def _sort_by_weight(parts: Sequence[str], names: Sequence[str]) -> list[str]:
         rf"^(?:class|(?:async )?def)\s+(?:{name_pattern})\b|^(?:{name_pattern})\s*[:=]", re.MULTILINE
     )
     defines = re.compile(r"^(?:class|(?:async )?def)\s", re.MULTILINE)
-
-    def weigh(number: int) -> tuple[int, int]:
-        text = parts[number]
-        return 0 if binds.search(text) else 1 if defines.search(text) else 2, -number
-
-    return [parts[number] for number in sorted(range(len(parts)), key=weigh)]
+    groups: tuple[list[str], ...] = ([], [], [])
+    for text in reversed(parts):
+        groups[0 if binds.search(text) else 1 if defines.search(text) else 2].append(text)
+    return [text for group in groups for text in group]
 
 
 def find_indirect_code(texts: Iterable[str], released_lines: Collection[str]) -> tuple[str, ...]:
@@ -474,12 +472,6 @@ class ComparedSubmission:
     received: str
     remarks: tuple[str, ...] = ()
 
-    def received_in(self, zone: ZoneInfo) -> str:
-        """Return the time of receipt in a zone, to the minute."""
-        if not self.received:
-            return "time unknown"
-        return datetime.fromisoformat(self.received).astimezone(zone).isoformat(" ", "minutes")
-
 
 @dataclass(frozen=True)
 class ReleasedCode:
@@ -525,9 +517,14 @@ def copies_page(
     zone: ZoneInfo,
 ) -> str:
     """Return the page of one exercise, with all student text escaped, and times in a zone."""
+    times = {
+        name: datetime.fromisoformat(work.received).astimezone(zone).isoformat(" ", "minutes")
+        for name, work in works.items()
+        if work.received
+    }
     clusters = [
         {
-            "students": sorted((works[name].received_in(zone), name) for name in cluster.students),
+            "students": sorted((times.get(name, "time unknown"), name) for name in cluster.students),
             "pairs": [_pair(pair, works, released) for pair in cluster.pairs[:MAX_PAIRS]],
             "left_out": len(cluster.pairs[MAX_PAIRS:]),
         }

@@ -139,10 +139,17 @@ def _fill(
     """Fill the column with the marks, and return the reason for each row that is left unchanged."""
     count, unfilled = Counter(ids.values()), dict[int, str]()
     for row, key in ids.items():
-        if problem := _problem(key, marks.get(key), count[key], len(file.rows[row]) <= place):
-            unfilled[row] = problem
+        mark = marks.get(key)
+        if key and count[key] > 1:
+            unfilled[row] = "more than one row has this ID; they are unchanged"
+        elif mark is None:
+            unfilled[row] = "no mark"
+        elif mark["status"] not in FINAL:
+            unfilled[row] = f"{mark['status']}, row unchanged"
+        elif len(file.rows[row]) <= place:
+            unfilled[row] = "the row is too short"
         else:
-            file.put(row, place, f"{float(marks[key][column]):.10g}")
+            file.put(row, place, f"{float(mark[column]):.10g}")
     return unfilled
 
 
@@ -167,17 +174,6 @@ def _key(text: str) -> str:
         return normalise(text)
     except CourseError:
         return text.strip().casefold()
-
-
-def _problem(key: str, mark: dict[str, str] | None, count: int, is_short: bool) -> str:
-    """Return why a row is left unchanged, or ""."""
-    if key and count > 1:
-        return "more than one row has this ID; they are unchanged"
-    if mark is None:
-        return "no mark"
-    if mark["status"] not in FINAL:
-        return f"{mark['status']}, row unchanged"
-    return "the row is too short" if is_short else ""
 
 
 def _maxima(file: LmsFile, place: int) -> set[float]:

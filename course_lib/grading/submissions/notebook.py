@@ -255,16 +255,11 @@ class CodeCell:
         raised = (node.exc for node in ast.walk(self.tree) if isinstance(node, ast.Raise) and node.exc)
         return any(ast.unparse(exception).startswith("NotImplementedError") for exception in raised)
 
-    @cached_property
-    def modules(self) -> frozenset[str]:
-        """The top-level names of the modules that it imports."""
-        return imported_modules(self.tree)
-
 
 def own_modules(path: Path, cells: Sequence[str]) -> list[str]:
     """Return the Python files next to a notebook that its cells import or run, which are not submitted."""
     files = dict[str, None]()
     for number, text in enumerate(cells, 1):
-        names = [f"{name}.py" for name in sorted(CodeCell(number, text, True).modules)]
+        names = [f"{name}.py" for name in sorted(imported_modules(CodeCell(number, text, True).tree))]
         files |= dict.fromkeys([*names, *_RUN.findall(text)])
     return [name for name in files if (path.parent / name).is_file()]

@@ -91,21 +91,6 @@ class LmsFile:
         """The cells of the first row."""
         return [self.text(0, place) for place in range(len(self.rows[0]))]
 
-    def reject_long_rows(self, path: Path) -> None:
-        """Reject rows with cells beyond the headings, which unquoted delimiters cause.
-
-        Raises:
-            CourseError: A row has more cells than the first row.
-        """
-        width = len(self.rows[0])
-        for number, row in enumerate(self.rows, 1):
-            if any(cell.strip() for cell in row[width:]):
-                raise CourseError(
-                    f"{path}, row {number}: {len(row)} cells below "
-                    f"{format_count(width, 'heading')}. Put double quotes around cells that "
-                    f"contain {self.delimiter!r}"
-                )
-
     def put(self, row: int, column: int, number: str) -> None:
         """Change a cell, keeping its quotes."""
         quote = '"' if self.rows[row][column].strip().startswith('"') else ""
@@ -198,17 +183,31 @@ def read_class_list(path: Path) -> tuple[Member, ...]:
         CourseError: A row or a heading is invalid; the message states what was expected.
     """
     file = LmsFile.read(path, least=1)
-    places = _find_columns(file, path)
-    file.reject_long_rows(path)
+    places, width = _find_columns(file, path), len(file.rows[0])
+    for number, cells in enumerate(file.rows, 1):
+        # Delimiters without quotes cause cells beyond the headings.
+        if any(cell.strip() for cell in cells[width:]):
+            raise CourseError(
+                f"{path}, row {number}: {len(cells)} cells below {format_count(width, 'heading')}. "
+                f"Put double quotes around cells that contain {file.delimiter!r}"
+            )
     rows = [
         (row + 1, {name: file.text(row, place) for name, place in places.items()})
         for row in range(1, len(file.rows))
     ]
-    members = [_member(cells, f"{path}, row {number}") for number, cells in rows if any(cells.values())]
+    members = [_member(texts, f"{path}, row {number}") for number, texts in rows if any(texts.values())]
     if not members:
         raise CourseError(f"{path} has no student. Expected {EXAMPLE}, and a row for each student")
-    for problem in _find_duplicates(members):
-        raise CourseError(f"{path}: {problem}. Delete or correct one of the rows")
+    for name in ONCE:
+        owners = defaultdict[str, list[str]](list)
+        for member in members:
+            owners[getattr(member, name)].append(member.id)
+        for text, ids in owners.items():
+            if text and len(ids) > 1:
+                raise CourseError(
+                    f"{path}: {name} {text!r} occurs {len(ids)} times ({', '.join(ids)}). "
+                    "Delete or correct one of the rows"
+                )
     return tuple(members)
 
 
@@ -267,17 +266,6 @@ def _member(cells: Mapping[str, str], where: str) -> Member:
         raise CourseError(f"{where}: {error}") from error
     folded_cells = {name: cells[name].casefold() for name in ("email", "login") if name in cells}
     return Member(**{**cells, **folded_cells, "id": student})
-
-
-def _find_duplicates(members: Sequence[Member]) -> Iterator[str]:
-    """Yield a sentence for each duplicate value in a column of unique values."""
-    for name in ONCE:
-        owners = defaultdict[str, list[str]](list)
-        for member in members:
-            owners[getattr(member, name)].append(member.id)
-        for text, ids in owners.items():
-            if text and len(ids) > 1:
-                yield f"{name} {text!r} occurs {len(ids)} times ({', '.join(ids)})"
 
 
 # headings in Moodle, Canvas, and the class list; Canvas's "ID" is its own number
@@ -468,7 +456,13 @@ def _id_column(file: LmsFile, number_place: int) -> int:
     for place in id_columns:
         if any(file.text(row, place) for row in range(1, len(file.rows))):
             return place
-    able = [p for p in range(len(file.headings)) if p != number_place and _can_be_ids(file, p)]
+    able = []
+    for place in range(len(file.headings)):
+        cells = [file.text(row, place) for row in range(1, len(file.rows)) if any(file.rows[row])]
+        id_like = [cell for cell in cells if re.fullmatch(r"[\w.-]{3,64}", cell) and re.search(r"\d", cell)]
+        # Most cells are distinct short words with a digit.
+        if place != number_place and len(id_like) > len(cells) / 2 and len(set(id_like)) == len(id_like):
+            able.append(place)
     if len(able) == 1:
         return able[0]
     suggested = repr(file.headings[able[0]]) if able else "HEADING"
@@ -476,13 +470,6 @@ def _id_column(file: LmsFile, number_place: int) -> int:
         f"which column of the roster has the students' IDs? Add --id-column {suggested}; "
         f"columns: {_list_headings(file)}"
     )
-
-
-def _can_be_ids(file: LmsFile, place: int) -> bool:
-    """Return whether most cells of a column are distinct short words with a digit."""
-    cells = [file.text(row, place) for row in range(1, len(file.rows)) if any(file.rows[row])]
-    id_like = [cell for cell in cells if re.fullmatch(r"[\w.-]{3,64}", cell) and re.search(r"\d", cell)]
-    return len(id_like) > len(cells) / 2 and len(set(id_like)) == len(id_like)
 
 
 def _list_headings(file: LmsFile) -> str:

@@ -15,7 +15,7 @@ import json
 import os
 import re
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from functools import lru_cache
@@ -355,10 +355,11 @@ def sort_submissions(
     timed = all(file.received.is_trusted for file in owned or group)
     order = sorted(group, key=lambda f: (f in owned, f.is_exercise, is_accepted(f), *_age(f, top, timed)))
     places = {file.path.relative_to(top).parts[0] for file in group}
+    others = [(file.path.relative_to(top).as_posix(), file.problem) for file in order[:-1]]
     last = replace(
         order[-1],
         rivals=tuple(sorted(places)) if len(places) > 1 else (),
-        others=tuple(_describe_file(file, top) for file in order[:-1]),
+        others=tuple(f"{name} ({problem})" if problem else name for name, problem in others),
         counts=counts,
     )
     claims = {} if owned else {_base_name(file): file.sha256 for file in order if file.is_exercise}
@@ -398,11 +399,6 @@ def _split_attempt(name: str) -> tuple[str, int]:
     stem = re.sub(r"^week\d\d", "", name, flags=re.IGNORECASE)
     number = re.search(r"\W*(?:copy|kopie|copie|copia|v|try|attempt)?\W*(\d{1,3})\W*$", stem, re.IGNORECASE)
     return (stem[: number.start()], int(number[1])) if number else (stem, 0)
-
-
-def _describe_file(file: Submission, top: Path) -> str:
-    name = file.path.relative_to(top).as_posix()
-    return f"{name} ({file.problem})" if file.problem else name
 
 
 def read_submission(path: Path, ledger: Ledger) -> Submission:
@@ -668,24 +664,22 @@ def _make_attempts(
     owners: Mapping[str, set[str]],
     course: Course,
 ) -> Attempts:
-    planned = [_plan_job(submission, course) for submission in group]
-    submissions = tuple(
+    submissions, jobs = list[Submission](), dict[str, Job]()
+    for submission in group:
+        planned, job = _plan_job(submission, course)
+        if job is not None:
+            jobs[job.key] = job
         # Unchanged exercises are equal for all students.
-        s if s.is_untouched or not s.sha256 else _add_twins(s, owners[s.sha256] - {s.student})
-        for s, _ in planned
-    )
+        if planned.sha256 and not planned.is_untouched:
+            twins = owners[planned.sha256] - {planned.student}
+            shown_names = nsmallest(MOST_NAMED, twins)
+            more = len(twins) - len(shown_names)
+            planned = replace(planned, twins=(*shown_names, *[f"{more} more"] * bool(more)))
+        submissions.append(planned)
     student, exercise = group[-1].student, group[-1].exercise
     rules, dates = rules_of(course, exercise), dates_of(catalog_of(course).course, student, exercise)
     digest = digest_of([rules, dates, [to_plain(attempt_of(s)) for s in submissions]])
-    jobs = {job.key: job for _, job in planned if job}
-    return Attempts(student, exercise, submissions, jobs, rules, digest)
-
-
-def _add_twins(submission: Submission, twin_names: Collection[str]) -> Submission:
-    """Return a submission with its first twin: another student who submitted the same file."""
-    shown_names = nsmallest(MOST_NAMED, twin_names)
-    more = len(twin_names) - len(shown_names)
-    return replace(submission, twins=(*shown_names, f"{more} more") if more else tuple(shown_names))
+    return Attempts(student, exercise, tuple(submissions), jobs, rules, digest)
 
 
 def _plan_job(submission: Submission, course: Course) -> tuple[Submission, Job | None]:
