@@ -129,19 +129,16 @@ def _tree(source: str) -> ast.Module:
 
 @lru_cache(maxsize=4000)
 def _statements(source: str) -> tuple[_Statement, ...]:
-    return tuple(map(_statement, _tree(source).body))
-
-
-def _statement(node: ast.stmt) -> _Statement:
-    code = ast.unparse(node)
-    attributes = [part for part in ast.walk(node) if isinstance(part, ast.Attribute)]
-    definitions = {part.name for part in ast.walk(node) if isinstance(part, ast.FunctionDef | ast.ClassDef)}
-    return _Statement(
-        _cell(code).bindings,
-        _global_names(code),
-        frozenset(part.attr for part in attributes if isinstance(part.ctx, ast.Load)),
-        frozenset({part.attr for part in attributes if not isinstance(part.ctx, ast.Load)} | definitions),
-    )
+    found = []
+    for node in _tree(source).body:
+        code, parts = ast.unparse(node), list(ast.walk(node))
+        attributes = [part for part in parts if isinstance(part, ast.Attribute)]
+        read_attributes = frozenset(part.attr for part in attributes if isinstance(part.ctx, ast.Load))
+        assigned = {part.attr for part in attributes if not isinstance(part.ctx, ast.Load)}
+        assigned |= {part.name for part in parts if isinstance(part, ast.FunctionDef | ast.ClassDef)}
+        names = _global_names(code)
+        found.append(_Statement(_cell(code).bindings, names, read_attributes, frozenset(assigned)))
+    return tuple(found)
 
 
 def deletions(code: Code, tasks: Sequence[Task]) -> Iterator[Deletion]:
@@ -338,12 +335,22 @@ def _find_deletable(source: str, tree: ast.AST) -> Iterator[_DeletablePart]:
                 fewer = copy.copy(node)
                 fewer.names = other_aliases
                 yield _DeletablePart(f"import of {alias.name}", first, last, ast.unparse(fewer))
-        if isinstance(node, ast.stmt) and not _changes_nothing(node, source[first:last]):
+        is_docstring = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+        is_magic = source[first:last].lstrip()[:1] in ("%", "!", "")
+        changes_nothing = is_docstring or is_magic or isinstance(node, ast.Pass)
+        if isinstance(node, ast.stmt) and not changes_nothing:
             for decorator in getattr(node, "decorator_list", ()):
                 first = min(first, offset(decorator.lineno, decorator.col_offset) - 1)
             text = " ".join(source[first:last].split())
             shown = text if len(text) <= EXCERPT_LENGTH else f"{text[:EXCERPT_LENGTH]}…"
-            yield _DeletablePart(repr(shown), first, last, "pass", frozenset(_assigned_attributes(node)))
+            assigned = frozenset(
+                part.attr
+                for part in ast.walk(node)
+                if isinstance(part, ast.Attribute)
+                and isinstance(part.ctx, ast.Store)
+                and ast.unparse(part.value) == "self"
+            )
+            yield _DeletablePart(repr(shown), first, last, "pass", assigned)
         elif isinstance(node, ast.Constant | ast.JoinedStr):
             yield from _parts_in_string(source[first:last], first)
 
@@ -366,17 +373,3 @@ def _parts_in_string(literal: str, at: int) -> Iterator[_DeletablePart]:
             yield replace(
                 part, name=f"{part.name} in the text", first=begin + part.first, last=begin + part.last
             )
-
-
-def _changes_nothing(node: ast.stmt, text: str) -> bool:
-    """Return whether a statement is a docstring, `pass`, or a magic."""
-    is_text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
-    return is_text or isinstance(node, ast.Pass) or text.lstrip()[:1] in ("%", "!", "")
-
-
-def _assigned_attributes(node: ast.stmt) -> Iterator[str]:
-    """Yield the attributes of `self` that a statement assigns."""
-    for part in ast.walk(node):
-        match part:
-            case ast.Attribute(value=ast.Name(id="self"), attr=name, ctx=ast.Store()):
-                yield name

@@ -280,7 +280,18 @@ def make_edits(
         if variant.task not in by_id:
             yield Flaw("wrong", f"there is no task {variant.task!r}, known: {', '.join(by_id)}", place)
             continue
-        yield _variant_edit(variant, by_id[variant.task], place, cells)
+        name, task = f"{variant.task}: {variant.miss or variant.way}", by_id[variant.task]
+        try:
+            new = apply_changes(variant, task.name, cells)
+        except CourseError as error:
+            yield Flaw("wrong" if variant.miss else "second", f"{name}: {error}", place)
+            continue
+        look = (
+            partial(_check_wrong_answer, variant, task, place)
+            if variant.miss
+            else partial(_check_right_answer, variant, place)
+        )
+        yield Edit(variant.task, name, new, bool(variant.way), look, is_right=bool(variant.way))
     for unknown in answers.same.keys() - by_id.keys():
         text = f"[same]: there is no task {unknown!r}, known: {', '.join(by_id)}"
         yield Flaw("wrong", text, str(answers.path))
@@ -291,20 +302,6 @@ def make_edits(
         for name in set(same) - {operator.name for operator, _ in mutants}:
             text = f"[same] {task.id.split('.')[1]}: the task has no mutant {name!r}: remove it"
             yield Flaw("wrong", text, location_of(answers.path, name))
-
-
-def _variant_edit(variant: Variant, task: Task, place: str, cells: Sequence[str]) -> Edit | Flaw:
-    name = f"{variant.task}: {variant.miss or variant.way}"
-    try:
-        new = apply_changes(variant, task.name, cells)
-    except CourseError as error:
-        return Flaw("wrong" if variant.miss else "second", f"{name}: {error}", place)
-    look = (
-        partial(_check_wrong_answer, variant, task, place)
-        if variant.miss
-        else partial(_check_right_answer, variant, place)
-    )
-    return Edit(variant.task, name, new, bool(variant.way), look, is_right=bool(variant.way))
 
 
 def _check_wrong_answer(

@@ -6,7 +6,6 @@ import unicodedata
 from collections.abc import Iterator, Mapping
 from importlib import metadata
 from pathlib import Path
-from typing import Any
 
 from course_lib.course.course_file import read_course_file
 from course_lib.course.exercise import Notebook, exercise_from, notebook_text
@@ -171,17 +170,17 @@ def parse_notebook(text: str, about: Mapping[str, object]) -> Notebook:
     """
     marks = list(CELL.finditer(text))
     ends = [*(mark.start() for mark in marks[1:]), len(text)]
-    cells = [_cell(mark, text[mark.end() : end].strip("\n")) for mark, end in zip(marks, ends, strict=True)]
+    cells = []
+    for mark, end in zip(marks, ends, strict=True):
+        lines = text[mark.end() : end].strip("\n").splitlines(keepends=True)
+        cell = {"id": mark["id"], "metadata": {"tags": [mark["tag"]]} if mark["tag"] else {}, "source": lines}
+        if mark["markdown"]:
+            cell |= {"cell_type": "markdown"}
+        else:
+            cell |= {"cell_type": "code", "execution_count": None, "outputs": []}
+        cells.append(cell)
     metadata = {"course": dict(about), "kernelspec": KERNEL, "language_info": {"name": "python"}}
     return {"cells": cells, "metadata": metadata, "nbformat": 4, "nbformat_minor": 5}
-
-
-def _cell(mark: re.Match[str], text: str) -> dict[str, Any]:
-    tags = {"tags": [mark["tag"]]} if mark["tag"] else {}
-    cell = {"id": mark["id"], "metadata": tags, "source": text.splitlines(keepends=True)}
-    if mark["markdown"]:
-        return {**cell, "cell_type": "markdown"}
-    return {**cell, "cell_type": "code", "execution_count": None, "outputs": []}
 
 
 COURSE_TEMPLATE = "course"

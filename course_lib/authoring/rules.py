@@ -86,7 +86,16 @@ class NotebookPage:
     @cached_property
     def questions(self) -> list[tuple[str, str]]:
         """The questions in the code, in order, like ("predict", "week01.top") or ("quiz", "week01")."""
-        return [question for cell in self.code_cells for question in _questions(cell)]
+        questions = []
+        for cell in self.code_cells:
+            # Another rule reports syntax errors.
+            with suppress(SyntaxError):
+                calls = [node for node in ast.walk(parse_cell(cell)) if isinstance(node, ast.Call)]
+                for call in sorted(calls, key=lambda node: (node.lineno, node.col_offset)):
+                    match call:
+                        case ast.Call(ast.Name(name), [ast.Constant(str(asked)), *_]) if name in QUESTIONS:
+                            questions.append((name, asked))
+        return questions
 
     @cached_property
     def headings(self) -> list[tuple[int, str]]:
@@ -97,19 +106,6 @@ class NotebookPage:
     def week(self) -> str:
         """The week in the file's name, like "week01"."""
         return self.path.stem.split("_")[0]
-
-
-def _questions(cell: str) -> Iterator[tuple[str, str]]:
-    try:
-        tree = parse_cell(cell)
-    # Another rule reports syntax errors.
-    except SyntaxError:
-        return
-    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
-    for call in sorted(calls, key=lambda node: (node.lineno, node.col_offset)):
-        match call:
-            case ast.Call(ast.Name(name), [ast.Constant(str(asked)), *_]) if name in QUESTIONS:
-                yield name, asked
 
 
 Rule = Callable[[NotebookPage], Iterator[str]]
@@ -515,7 +511,13 @@ def input_flaws(week: str, course: Course) -> Iterator[Flaw]:
     """Yield the flaws in the inputs of a week's tasks: invalid messages and misspelled topics."""
     catalog = catalog_of(course)
     solution = course.solutions / f"{week}_solution.ipynb"
-    names = names_in(cells_of(solution)) if solution.is_file() else frozenset[str]()
+    # Strings in the solution that may be names of topics or nodes, without the leading slash.
+    names = set[str]()
+    for cell in cells_of(solution) if solution.is_file() else ():
+        for node in ast.walk(CodeCell(1, cell, True).tree):
+            match node:
+                case ast.Constant(str(text)) if NAME.fullmatch(text):
+                    names.add(text.strip("/"))
     for task in catalog.tasks_of_week(week):
         yield from invalid_messages(task, task.scenarios, course.exercises / "checks" / f"{week}.py")
         hidden_scenarios = catalog.hidden.get(task.id, ())
@@ -540,14 +542,6 @@ def invalid_messages(task: Task, scenarios: Sequence[Scenario], path: Path) -> I
         # In errors of Python and ROS, the last quoted name is the misspelled one.
         name = f'"{text.rsplit(chr(39), 2)[-2]}"' if text.count("'") > 1 else ""
         yield Flaw("fields", f"{task.id}: {text}", location_of(path, name))
-
-
-def names_in(cells: Iterable[str]) -> frozenset[str]:
-    """Return the strings in the code that may be topic or node names, without the leading slash."""
-    trees = [CodeCell(1, cell, True).tree for cell in cells]
-    nodes = (node for tree in trees for node in ast.walk(tree))
-    texts = (node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str))
-    return frozenset(text.strip("/") for text in texts if NAME.fullmatch(text))
 
 
 def misspelled_topics(

@@ -79,6 +79,7 @@ class WeekRehearsals:
         self._tasks = [task for task in catalog_of(course).tasks_of_week(week) if not task.rubric]
         self._solution = course.solutions / f"{week}_solution.ipynb"
         self._exercise = course.exercises / f"{week}_exercise.ipynb"
+        self._checks_file = str(course.exercises / "checks" / f"{week}.py")
         self._cells = cells_of(self._solution)
         self._answers = read_answers(course.solutions, week)
         # Fraction of the task's points that each wrong answer earns.
@@ -126,7 +127,11 @@ class WeekRehearsals:
                 text = f"{key[0]}, {_visibility(check)} {check.scenario!r}, {check.title!r}"
                 yield Flaw("can fail", f"{text}: no answer fails it. Add one that does", self._location(key))
         yield from self._find_missing_answers()
-        yield from self._find_crashes()
+        # Deletions with which the solution crashes, but passes all public checks.
+        code = Code.from_notebook(self._solution)
+        for name, task, why in find_false_passes(code, self._tasks, self._week, self._run_rehearsals):
+            text = f"{task}: {name} the solution crashes ({why}), and all public checks pass"
+            yield Flaw("wrong", f"{text}. Add a call or an input that needs it", str(self._solution))
 
     def _run_rehearsals(self, rehearsals: Sequence[Rehearsal]) -> Iterator[RehearsalResult]:
         return self._pool.map(rehearse, rehearsals, [self._course] * len(rehearsals))
@@ -251,14 +256,6 @@ class WeekRehearsals:
                 self.earned_fractions[edit.name] = last.fraction
             yield from flaws
 
-    def _find_crashes(self) -> Iterator[Flaw]:
-        """Yield a flaw for each deletion with which the solution crashes but passes all public checks."""
-        code = Code.from_notebook(self._solution)
-        false_passes = find_false_passes(code, self._tasks, self._week, self._run_rehearsals)
-        for name, task, why in false_passes:
-            text = f"{task}: {name} the solution crashes ({why}), and all public checks pass"
-            yield Flaw("wrong", f"{text}. Add a call or an input that needs it", str(self._solution))
-
     def _find_missing_answers(self) -> Iterator[Flaw]:
         ways = {variant.task for variant in self._answers.variants if variant.way}
         hints = {(variant.task, variant.hint) for variant in self._answers.variants}
@@ -279,10 +276,6 @@ class WeekRehearsals:
 
     def _scenarios(self, task: Task) -> tuple[Scenario, ...]:
         return task.scenarios + catalog_of(self._course).hidden.get(task.id, ())
-
-    @property
-    def _checks_file(self) -> str:
-        return str(self._course.exercises / "checks" / f"{self._week}.py")
 
 
 def _checks_by_key(result: TaskResult) -> Iterator[tuple[Key, CheckResult]]:

@@ -353,15 +353,9 @@ class _MisfitError(CourseError):
 
 
 def _locate(path: Path, text: str, error: _MisfitError) -> str:
-    """Return an error's text with file and line."""
-    line = _line_of(text, error.keys)
-    return f"{path}{f' line {line}' if line else ''}: {error}"
+    """Return an error's text with file and line.
 
-
-def _line_of(text: str, keys: tuple[str, ...]) -> int:
-    """Return the line of a key or, if it is missing, of the innermost table that contains it.
-
-    Return 0 if neither is found.
+    The line is that of the key or, if it is missing, of the innermost table that contains it.
     """
     table: tuple[str, ...] = ()
     # Number of matching keys, and the line.
@@ -373,9 +367,9 @@ def _line_of(text: str, keys: tuple[str, ...]) -> int:
             place = (*table, *entry[1].split("."))
         else:
             continue
-        if place == keys[: len(place)] and len(place) > best[0]:
+        if place == error.keys[: len(place)] and len(place) > best[0]:
             best = (len(place), number)
-    return best[1]
+    return f"{path}{f' line {best[1]}' if best[1] else ''}: {error}"
 
 
 def _read(kind: Any, value: Any, keys: tuple[str, ...] = (), **found: Any) -> Any:

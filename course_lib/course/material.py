@@ -107,12 +107,13 @@ ASSETS = "assets"  # the folder of a course's own files, in exercises/ and in a 
 
 def asset_files(folder: Path) -> list[Path]:
     """Return the files of an assets folder, except caches of Python and backups of editors."""
-
-    def is_left_over(path: Path) -> bool:
-        return any(part.startswith(".") or part == "__pycache__" for part in path.parts)
-
-    files = filter(Path.is_file, folder.rglob("*"))
-    return sorted(path for path in files if not is_left_over(path.relative_to(folder)))
+    files = sorted(filter(Path.is_file, folder.rglob("*")))
+    parts_of_files = [(path, path.relative_to(folder).parts) for path in files]
+    return [
+        path
+        for path, parts in parts_of_files
+        if not any(part.startswith(".") or part == "__pycache__" for part in parts)
+    ]
 
 
 def reject_other_course() -> None:

@@ -1,6 +1,5 @@
 """Progress: the page `contents.md` in the student's folder, and `course status`."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -8,7 +7,7 @@ from zoneinfo import ZoneInfo
 
 from rich.table import Table
 
-from course_lib.course.course_file import CourseFile, WeekSettings, shipped_course_file
+from course_lib.course.course_file import WeekSettings, shipped_course_file
 from course_lib.course.exercise import Notebook, read_notebook, source
 from course_lib.course.material import exercises_dir, extras, lessons, reviews
 from course_lib.course.state import (
@@ -62,22 +61,21 @@ class Week:
 
 def read_weeks() -> tuple[Week, ...]:
     """Return all weeks that have a lesson, in order, with deadlines and points from course.toml."""
-    course = shipped_course_file()
-    return tuple(_week(path, course) for path in lessons())
-
-
-def _week(lesson: Path, course: CourseFile) -> Week:
-    notebook, name = read_notebook(lesson), lesson.stem.split("_")[0]
-    exercise = exercises_dir() / f"{name}_exercise.ipynb"
-    return Week(
-        name=name,
-        title=_title(notebook),
-        minutes=notebook["metadata"]["course"]["minutes"],
-        lesson=lesson.name,
-        exercise=exercise.name if exercise.exists() else None,
-        settings=course.weeks.get(name, WeekSettings("")),
-        is_faulty=name in course.faults,
-    )
+    course, weeks = shipped_course_file(), []
+    for lesson in lessons():
+        notebook, name = read_notebook(lesson), lesson.stem.split("_")[0]
+        exercise = exercises_dir() / f"{name}_exercise.ipynb"
+        week = Week(
+            name=name,
+            title=_title(notebook),
+            minutes=notebook["metadata"]["course"]["minutes"],
+            lesson=lesson.name,
+            exercise=exercise.name if exercise.exists() else None,
+            settings=course.weeks.get(name, WeekSettings("")),
+            is_faulty=name in course.faults,
+        )
+        weeks.append(week)
+    return tuple(weeks)
 
 
 def _title(notebook: Notebook) -> str:
@@ -112,23 +110,22 @@ def progress(week: Week, state: State) -> Progress:
     saved_results, packed = state.section("progress"), state.get("packed", f"{week.name}_exercise")
     none = {"score": 0.0, "of": 1.0}
     results = {task: saved_results.get(f"{week.name}.{task}", none) for task in week.settings.points}
-    done = tuple(t for t, result in results.items() if _is_done(state, f"{week.name}.{t}", result))
+    done = []
+    for task, result in results.items():
+        last = last_check(state, f"{week.name}.{task}")
+        # A task that a person marks has no points yet, but may have passed its checks.
+        if result["score"] >= result["of"] or (last is not None and last.passed):
+            done.append(task)
     file = last_packed_submission(state, f"{week.name}_exercise") if packed else None
     source = Path(file.source) if file else None
     return Progress(
-        done=done,
+        done=tuple(done),
         open=tuple(task for task in results if task not in done),
         points=sum(result["score"] for result in results.values()),
         packed=datetime.fromisoformat(packed) if packed else None,
         file=file,
         has_changed=bool(file and source and source.is_file() and content_hash(source) != file.notebook),
     )
-
-
-def _is_done(state: State, task: str, result: Mapping[str, float]) -> bool:
-    """Return whether a task has all its points or, if a person marks it, has passed its checks."""
-    last = last_check(state, task)
-    return result["score"] >= result["of"] or (last is not None and last.passed)
 
 
 def contents_page(state: State) -> str:
@@ -180,19 +177,15 @@ def status(folder: Path | None = None, now: datetime | None = None) -> tuple[Tab
     table = Table(*HEADINGS, caption="Points are those of the public checks; grading adds hidden ones.")
     rows = [(week, progress(week, state)) for week in read_weeks()]
     for week, so_far in rows:
-        table.add_row(*_cells(week, so_far, now, zone))
+        if week.exercise is None or week.is_faulty:
+            table.add_row(week.title, "", "", "", FAULTY if week.exercise else "")
+            continue
+        points = f"{so_far.points:g} of {sum(week.settings.points.values()):g}"
+        packed_at = f"{so_far.packed.astimezone(zone):%d %b %H:%M}" if so_far.packed else "not yet"
+        due = _due(week.settings.deadline, now, zone)
+        table.add_row(week.title, so_far.task_count, points, packed_at, due)
     packed_lines = [_describe_zip(week, so_far) for week, so_far in rows if so_far.packed]
     return table, "\n".join([*packed_lines, _next(rows)])
-
-
-def _cells(week: Week, so_far: Progress, now: datetime, zone: ZoneInfo) -> tuple[str, ...]:
-    if week.exercise is None:
-        return (week.title, "", "", "", "")
-    if week.is_faulty:
-        return (week.title, "", "", "", FAULTY)
-    points = f"{so_far.points:g} of {sum(week.settings.points.values()):g}"
-    packed_at = f"{so_far.packed.astimezone(zone):%d %b %H:%M}" if so_far.packed else "not yet"
-    return (week.title, so_far.task_count, points, packed_at, _due(week.settings.deadline, now, zone))
 
 
 def _due(deadline: datetime | None, now: datetime, zone: ZoneInfo) -> str:

@@ -117,7 +117,13 @@ def _refresh(folder: Path) -> Refresh:
                 updated.append(name)
                 _write(newest, own_file)
             else:
-                place = _free_name(own_file)
+                endings = (f"_new{number}{own_file.suffix}" for number in ("", *range(2, 1000)))
+                places = (own_file.with_name(f"{own_file.stem}{ending}") for ending in endings)
+                place = next((place for place in places if not place.exists()), None)
+                if place is None:
+                    raise CourseError(
+                        f"too many newer versions next to {own_file}: delete the ones you don't need"
+                    )
                 kept.append(place.name)
                 _write(newest, place)
         state.put("shipped", name, release)
@@ -127,11 +133,3 @@ def _refresh(folder: Path) -> Refresh:
 def _write(source: Path, target: Path) -> None:
     # A partial file would count as one that the student has edited.
     write_atomically(target, read_bytes(source))
-
-
-def _free_name(path: Path) -> Path:
-    for number in range(1, 1000):
-        place = path.with_name(f"{path.stem}_new{number if number > 1 else ''}{path.suffix}")
-        if not place.exists():
-            return place
-    raise CourseError(f"too many newer versions next to {path}: delete the ones you don't need")
