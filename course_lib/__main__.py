@@ -11,7 +11,7 @@ def main() -> None:
     """Run the command line, with a fixed hash seed if it runs programs."""
     try:
         if os.environ.get("PYTHONHASHSEED") == HASH_SEED and os.name == "posix":
-            # It is blocked during the restart, and pending if it was sent.
+            # SIGINT was blocked during the restart, and is pending if it was sent.
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         fix_hash_seed(sys.argv[1:])
         # Imported here because these modules take longer to import than the restart above; typer

@@ -38,7 +38,7 @@ robots = typer.Typer()
 def address(
     robot: str | None, domain: int | None, send: list[str] | None, call: list[str] | None
 ) -> "RobotAddress | None":
-    """Return the robot's address and what may be sent to it, or None without a robot.
+    """Return the robot's address and the topics to send, or None without a robot.
 
     Raises:
         CourseError: There are options for a robot, but no robot.

@@ -123,7 +123,7 @@ def explain_xml_error(text: str, code_number: int, number: int, column: int) -> 
     if code == errors.XML_ERROR_MISPLACED_XML_PI:
         return f"Nothing may be above <?xml …?>, not even an empty line: delete it, up to line {number}."
     if code == errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT:
-        return f"A file has one outermost tag, and line {number} is behind its end: {line:.60}"
+        return f"A file has one outermost tag, and line {number} is after its end: {line:.60}"
     if code == errors.XML_ERROR_DUPLICATE_ATTRIBUTE:
         return f"A tag of line {number} has an attribute twice: {line:.80}"
     if code in (errors.XML_ERROR_TAG_MISMATCH, errors.XML_ERROR_NO_ELEMENTS):

@@ -358,7 +358,7 @@ def _locate(path: Path, text: str, error: _MisfitError) -> str:
     The line is that of the key or, if it is missing, of the innermost table that contains it.
     """
     table: tuple[str, ...] = ()
-    # Number of matching keys, and the line.
+    # The best match so far: the number of its keys, and its line.
     best = (0, 0)
     for number, line in enumerate(text.splitlines(), 1):
         if heading := re.match(r"\s*\[([^\[\]]+)\]", line):

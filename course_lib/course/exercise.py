@@ -26,7 +26,7 @@ from course_lib.third_party import read_bytes, read_json, read_text
 Notebook = dict[str, Any]
 BEGIN = re.compile(r"^(?P<indent>\s*)# solution: (?P<missing>.+)$")
 END = "# end of solution"
-# Notebooks in an error message.
+# Maximum number of notebooks that an error message lists.
 MAX_NAMES = 12
 
 

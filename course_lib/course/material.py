@@ -136,7 +136,7 @@ def reject_other_course() -> None:
 
 
 def checkout_root() -> Path:
-    """Return the instructors' checkout, the only place with solutions and hidden checks.
+    """Return the instructors' checkout, which alone has solutions and hidden checks.
 
     Raises:
         CourseError: The installation is a student's copy or a wheel, or the current folder belongs

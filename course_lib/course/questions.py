@@ -259,7 +259,7 @@ def _comparison_after_choice(key: str, question: Question, measured: str) -> For
 
 
 # ipywidgets gives each option one line, of which a narrow window shows the beginning.
-# Its buttons follow the text, and float to the left.
+# The buttons of a question follow the text, and float to the left.
 _CHOICE_STYLE = """<style>.course-choice .widget-radio-box label { display: flex; flex-direction: row-reverse;
 justify-content: flex-end; align-items: flex-start; height: auto; white-space: normal; }
 .course-choice .widget-radio-box input { flex: none; }</style>"""

@@ -602,7 +602,7 @@ class InteractiveMarkersDisplay(Display):
         marker = self._marker_at(path)
         entries = {} if marker is None else {entry.id: entry for entry in marker.message.menu_entries}
         if marker is None or entry not in entries:
-            raise CourseError("This entry is no longer in the menu.")
+            raise CourseError("This entry is no longer in the menu. Open the menu again.")
         chosen_entry = entries[entry]
         if chosen_entry.command_type in _COMMANDS:
             command = f"{_COMMANDS[chosen_entry.command_type]} {chosen_entry.command}"

@@ -207,7 +207,9 @@ def read_layout(path: str | Path) -> Layout:
     try:
         return layout_of(read_text(Path(path)), Path(path).name)
     except OSError as error:
-        raise CourseError(f"Cannot read the layout {path}: {error.strerror}.") from None
+        raise CourseError(
+            f"Cannot read the layout {path}: {error.strerror}. Pass the path of an .rviz file."
+        ) from None
     except UnicodeDecodeError:
         raise CourseError(f"{path} is not an .rviz file: {NOT_UTF8}.") from None
     except CourseError as error:

@@ -508,7 +508,7 @@ class MarkerStore:
         self._statuses = statuses
         self._queue: list[tuple[Any, int]] = []
         self.displayed: dict[Key, DisplayedMarker] = {}
-        # Those that expire or move with a frame. Visiting all markers in each frame would keep a
+        # Markers that expire or move with a frame. Visiting all markers in each frame would keep a
         # processor busy.
         self._changing: dict[Key, DisplayedMarker] = {}
         self.namespaces: dict[str, bool] = {}

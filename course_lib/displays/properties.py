@@ -210,7 +210,7 @@ class PropertyHolder(KnownAttributes):
         self._values = {prop.label: prop.default for prop in self.properties}
         # The last loaded layout.
         self._loaded: Mapping[str, Any] = {}
-        # Its part of a layout, with unknown entries.
+        # The owner's part of the last layout, with unknown entries.
         self.config: Mapping[str, Any] = {}
 
     def grow(self, *properties: Property) -> list[str]:

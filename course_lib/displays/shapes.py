@@ -229,7 +229,7 @@ class UncertainPose(NamedTuple):
 
 def uncertain_pose(message: Any, transform_frame_to_fixed: Matrix) -> UncertainPose:
     """Convert a geometry_msgs/msg/PoseWithCovariance."""
-    # The numbers are in Eigen's order.
+    # RViz reads the numbers column by column, as Eigen stores a matrix.
     covariance = np.asarray(message.covariance, np.float64).reshape(6, 6).T
     pose = pose_in_fixed_frame(transform_frame_to_fixed, message.pose)
     return UncertainPose(pose, transform_frame_to_fixed, covariance)

@@ -292,7 +292,7 @@ NOBODY_WAITS = {
     "flows": ["ingress"],
     "overwrite": {"congestion_control": "drop"},
 }
-# The services of an action, behind its name.
+# The suffixes of an action's services, which follow its name.
 ACTION_SERVICES = tuple(f"/_action/{name}" for name in ("send_goal", "cancel_goal", "get_result"))
 # The key of a student's command.
 COMMAND = re.compile(

@@ -398,7 +398,7 @@ def call_note(task: Task, result: TaskResult, evidence: Sequence[Evidence]) -> l
     for (scenario, run, check), outcome in zip(checks, result.checks, strict=True):
         if outcome.passed or task.kind != "function" or check.origin is None:
             continue
-        # Its own call is right: only another check, which it requires, has failed.
+        # The call of this check is right: only another check, which it requires, has failed.
         if outcome.mistake == NEEDS_ANOTHER:
             continue
         index = check.origin.arguments.get("call")

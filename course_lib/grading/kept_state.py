@@ -75,7 +75,7 @@ def _growing(cls: ast.ClassDef, function: Function, owners: set[str], *, is_cert
                 isinstance(value, ast.List | ast.ListComp | ast.Name | ast.Subscript)
             ):
                 is_several = not isinstance(value, ast.List) or len(value.elts) > 1 or id(node) in in_loops
-                # A sum is not a list.
+                # `total += x` adds up numbers, so nothing grows.
                 if isinstance(value, ast.Name | ast.Subscript) and _resolve(grown, aliases) not in owners:
                     continue
             case _:
@@ -160,7 +160,7 @@ def _aliases(function: Function) -> dict[str, str]:
 
 
 def _resolve(node: ast.AST, aliases: dict[str, str]) -> str:
-    """Return the source of an expression, with the attribute for which its first name stands."""
+    """Return the source of an expression. A first name that is an alias becomes its attribute."""
     root, dot, rest = ast.unparse(node).partition(".")
     return aliases.get(root, root) + dot + rest
 

@@ -186,7 +186,7 @@ def _definitions(cell: str) -> Iterator[tuple[str, str]]:
 
 
 def _as_function(name: str, value: ast.Lambda) -> str:
-    """Return a lambda as a function, which is what hints look for."""
+    """Return a lambda as a function, because hints analyse functions."""
     return f"def {name}({ast.unparse(value.args)}):\n    return {ast.unparse(value.body)}"
 
 

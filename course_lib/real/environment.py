@@ -262,7 +262,7 @@ def _only_installer(environment: RealEnvironment) -> Iterator[int]:
 
 
 def _check_disk(folder: Path) -> None:
-    """Check that the disk of a folder, whose earlier installation is removed, has enough space.
+    """Check that the disk of a folder has enough space, without its earlier installation.
 
     Raises:
         CourseError: The space is not sufficient.

@@ -595,7 +595,7 @@ def _advise(robot: ET.Element, reason: str) -> str:
     if robot.tag != "robot":
         return f'The first tag is <{robot.tag}>, and a URDF begins with <robot name="arm">.'
     if not links:
-        # It is rather a file of macros, for which `load_robot` has advice.
+        # The file probably consists of macros, for which `load_robot` has advice.
         return ""
     if kind := re.search(r"no known type \[(.*)\]", reason):
         word = kind[1].lower()

@@ -573,7 +573,7 @@ def _order_hint(error: BaseException, text: str) -> str:
         return ""
     kind = variables.get("srv_type", variables.get("msg_type", variables.get("action_type")))
     name = variables.get("srv_name", variables.get("topic", variables.get("action_name")))
-    # A type in quotes, or an object of it, followed by a name in quotes, is another mistake.
+    # With a name in quotes in its place, the mistake is the type: a string, or an object of the type.
     if isinstance(name, str):
         return _type_hint(kind)
     position = "after the node, the type comes" if "Action" in call else "pass the type"

@@ -27,7 +27,7 @@ _F_STRING = r"(?<!\w)([rR][fF]|[fF][rR]?)[\"']"
 # causes.
 _NEWER_FIELD = r"f-string: (unmatched '[(\[{]'|expecting '}')|f-string expression part cannot include"
 _OPEN_FIELD = r"\{[^}\"']*(?<=[-+*/,(\[{])\s*$"
-# It is read on import, because a program may later use up all file handles.
+# The grammar is read on import, because a program may later use up all file handles.
 _TABLES: dict[str, list[list[str]]] = tomllib.loads(
     Path(__file__).with_name("syntax_hints.toml").read_text("utf-8")
 )

@@ -309,7 +309,7 @@ def number_loop_hint(error: BaseException) -> str:
 
 
 def pair_hint(error: BaseException, text: str) -> str:
-    """Return the hint for a loop whose items are pairs, or the keys of a dictionary, or ""."""
+    """Return the hint for a loop over pairs or over the keys of a dictionary; "" for other loops."""
     frames = [frame for frame, _ in walk_tb(error.__traceback__)]
     if isinstance(error, AttributeError) and isinstance(error.obj, tuple):
         for frame in frames:

@@ -61,7 +61,7 @@ _SELECTIONS = "--all, --all-topics, --all-services, --services, --topics, --topi
 
 
 def _record_bag(source: Source, arguments: Namespace, write: Write) -> None:
-    """Record until ■, the end of the run, or a fixed time without a page.
+    """Record until ■ or the end of the run; for a fixed time if there is no page.
 
     From a bag, copy the selection.
     """

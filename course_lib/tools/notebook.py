@@ -150,7 +150,7 @@ def pipe_through(commands: Sequence[Sequence[str]], write: Write) -> Iterator[Wr
                 # From now on only the new process reads from the pipe.
                 source.close()
         input_stream = running[0].stdin
-        # Its standard input is a pipe.
+        # The process was started with a pipe as its standard input.
         assert input_stream is not None
 
         def feed(text: str) -> None:

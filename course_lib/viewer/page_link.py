@@ -302,7 +302,7 @@ class PageLink:
             self._call(self._listeners[kind], content)
 
     def expect(self) -> None:
-        """Send changes from now on, for a page that will load with the current scene."""
+        """Begin to send changes: a page that contains the current scene will connect."""
         self.connect(self.number)
 
     def snapshot(self) -> tuple[int, bytes]:

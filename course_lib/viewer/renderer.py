@@ -729,7 +729,7 @@ class Picture:
 
     # Content of the file.
     png: bytes
-    # The program that rendered it.
+    # The program that rendered the picture.
     renderer: Renderer
     # Reason for not using a browser, or "".
     note: str = ""

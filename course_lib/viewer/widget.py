@@ -158,7 +158,7 @@ class SceneWidget(anywidget.AnyWidget):
     recording = traitlets.Bytes().tag(sync=True)
     # Whether the recording plays repeatedly while it is in sight.
     plays = traitlets.Bool(False).tag(sync=True)
-    # State of its panels, as JSON.
+    # State of the panels, as JSON.
     panels = traitlets.Unicode().tag(sync=True)
     snapshot = traitlets.Bytes().tag(sync=True)
     number = traitlets.Int().tag(sync=True)

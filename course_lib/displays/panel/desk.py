@@ -347,7 +347,7 @@ class OrderHandler:
 
     def _saved_view(self, index: int) -> ViewController:
         if not 0 <= index < len(self._session.saved_views):
-            raise CourseError("This saved view no longer exists.")
+            raise CourseError("This saved view no longer exists. Select another one.")
         return self._session.saved_views[index]
 
     def _set_view(self, order: protocol.Order) -> None:

@@ -87,7 +87,7 @@ FILE_RIGHTS = {1: 13, 2: 14, 3: 15, 4: 15}
 TCP_RIGHTS, SCOPES = 0b11, 0b11  # TCP bind and connect; abstract sockets and signals
 TCP_FROM, SIGNALS_FROM = 4, 6  # first Landlock versions that support these
 SET_SECCOMP, MODE_FILTER = 22, 2
-# column in the tables below, audit architecture
+# By machine: the column in the tables below, and the audit architecture.
 MACHINES = {"x86_64": (0, 0xC000003E), "aarch64": (1, 0xC00000B7)}
 NEWER = 450  # system calls from this number on are treated as unknown
 X32 = 0x40000000  # x32 variants of the same calls
@@ -587,7 +587,7 @@ def enter_root(
     except OSError:
         _unshare_users(MOUNTS)
     _mount(None, "/", RECURSIVE | PRIVATE)
-    _change_mounts("/", _MountAttributes(set=READ_ONLY | NO_SUID))  # no file can be changed from here on
+    _change_mounts("/", _MountAttributes(set=READ_ONLY | NO_SUID))  # files are read-only from here on
     _mount("tmpfs", COVERED, NO_SUID | NO_DEVICES, "mode=111")
     # Intermediate folders can be traversed, but not listed.
     os.umask(0o666)

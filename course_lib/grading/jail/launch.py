@@ -432,7 +432,10 @@ class TemplateProcess:
                 why = f"a worker was killed while it started: {output.strip()[-500:]}"
                 raise KilledStartError(why.rstrip(": "))
         else:
-            raise WorkerError(f"a worker can't be started: {output.strip()[-500:]}")
+            raise WorkerError(
+                "no process for submissions can be started on this machine. Free memory and disk "
+                f"space, or grade on another machine. The last output: {output.strip()[-500:]}"
+            )
         if files.conflict and self.isolation.is_protective and not self.isolation.hides_names:
             self.close()
             raise CourseError(

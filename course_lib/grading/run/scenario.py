@@ -82,7 +82,7 @@ class ScenarioGraph:
         self._samples: list[Sample] = []
         self._rejections: list[str] = []
         self._images = ImageLimit(min(ALL, room / 2))
-        self._room, self.kept = room, 0  # [B]
+        self._room, self.recorded_bytes = room, 0  # [B]
         self.graph.tap(self._record)
         for message in scenario.inputs:
             is_request = "/srv/" in message.type_name
@@ -130,12 +130,12 @@ class ScenarioGraph:
         Raises:
             MemoryLimitError: The evidence exceeds its limit.
         """
-        if self.kept + size > self._room:
+        if self.recorded_bytes + size > self._room:
             raise remote.MemoryLimitError(
                 "messages and returned values exceed the limit of a submission "
                 f"({MOST_EVIDENCE // 2**20} MB for all of its tasks), so it was stopped"
             )
-        self.kept += size
+        self.recorded_bytes += size
 
     def _request(self, publish: Callable[[], None], message: Message) -> None:
         """Send a request, or record what `ros2 param set` prints if the node does not exist."""
@@ -403,7 +403,7 @@ def _enable_interrupts() -> Iterator[None]:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-MAX_PRINTED = 1_000_000  # maximum number of output characters that are kept
+MAX_PRINTED = 1_000_000  # limit on the characters of the output
 
 
 class BoundedOutput(io.StringIO):

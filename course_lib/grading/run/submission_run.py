@@ -306,7 +306,7 @@ class SubmissionRun:
         begin = wall.monotonic()
         outcome, stopped = self._serve(worker, stage, task)
         self._time_budget.charge(task.id, wall.monotonic() - begin - worker.waiting.granted)
-        self._size_budget.charge(task.id, stage.kept)
+        self._size_budget.charge(task.id, stage.recorded_bytes)
         self.usage += Usage(scenarios={f"{task.id}/{scenario.name}": outcome.cpu_seconds})
         if stopped == "time":
             self._hung_tasks.add(task.id)

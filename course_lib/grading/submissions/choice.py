@@ -220,9 +220,9 @@ def _choose_for_owner(
 
 
 def _expected_exercise(download_name: readers.DownloadName, exercise: str) -> str:
-    """Return the effective exercise of a file.
+    """Return the exercise that counts for a file.
 
-    The title of its assignment may override the given one.
+    The title of its assignment has priority over the option.
     """
     return (
         download_name.assignment

@@ -219,7 +219,7 @@ def collect(
     _reject_collisions(names, exports)
     choice = choose(items, rejected_files, download.layout, exercise)
     collection.set_aside = [printable(line) for line in choice.lines]
-    # It stays if this process is killed or the disk is full, and `course grade` reports it.
+    # The file remains if this process is killed or the disk is full, and `course grade` reports it.
     write_atomically(out / UNFINISHED, source.name.encode("utf-8", "replace"))
     store = Store(out, zone, exports, collection)
     store.store_all(download, choice)

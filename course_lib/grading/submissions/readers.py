@@ -438,7 +438,10 @@ class Layout:
         record = self.records.get(download_name.key)
         if record is None:
             if self.name == GRADESCOPE:
-                raise CourseError(f"{METADATA} has no submitter for submission_{download_name.key}")
+                raise CourseError(
+                    f"{METADATA} has no submitter for submission_{download_name.key}. Export the "
+                    "submissions from Gradescope again, and pass the whole zip"
+                )
             return download_name
         return replace(download_name, **record)
 

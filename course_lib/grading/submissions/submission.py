@@ -526,7 +526,10 @@ def read_packed_zip(data: bytes, name: str) -> tuple[bytes, Mapping[str, Any]]:
             receipt = read_json(_member(archive, RECEIPT, MAX_BYTES))
             return _member(archive, f"{receipt['exercise']}.ipynb", MAX_WITH_OUTPUTS), receipt
     except (CourseError, ValueError, LookupError, TypeError, AttributeError) as error:
-        raise CourseError(f"{name} is not a file that `course submit` wrote ({error})") from error
+        raise CourseError(
+            f"{name} is not a file that `course submit` wrote ({error}). Run `course submit` again, "
+            "and submit its file unchanged"
+        ) from error
 
 
 def _limit_size(data: bytes) -> bytes:

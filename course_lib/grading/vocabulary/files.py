@@ -308,7 +308,7 @@ def _check_surplus(
     check_name: str,
     arguments: Mapping[str, Any],
 ) -> list[Problem]:
-    """Return the problem of a passing check if the layout has more displays than the task requires.
+    """Return a problem for a check that would pass if the layout has surplus displays.
 
     The checks with a personal value get the problem, because one of many values is not an answer,
     and so does the last check of the class. `expect_displays_on` counts displays itself.

@@ -364,7 +364,7 @@ class MarkerScene:
         return next(filter(None, (self._problems(index, marker) for marker in owners)), [])
 
     def _is_surplus_failure(self, index: int) -> bool:
-        """Return whether a passing check fails because of surplus markers."""
+        """Return whether a check that would pass is failed because of surplus markers."""
         if self.asked[index].is_personal:
             return True
         everything = range(len(self.asked))

@@ -40,10 +40,10 @@ from course_lib.ros.messages import type_name
 from course_lib.ros.programs import import_path
 from course_lib.ros.tf2 import BufferCore, Transform, TransformException
 
-# Relative. With 3 for pi, the period is 4.7 % too long.
+# As a fraction of the period. With 3 instead of pi, the period is 4.7 % too long.
 PERIOD_TOLERANCE = 0.02
 LEAST_TURN = math.pi  # [rad] minimum angle for a path to count as a circle
-# [rad]: with larger steps between messages, the direction of rotation is ambiguous.
+# [rad] With larger steps between messages, the direction of rotation is ambiguous.
 LARGEST_STEP = math.pi / 2
 STILL = 1e-6  # [rad] a smaller step between two messages counts as no motion
 NAMING = ("type", "ns", "id")
@@ -274,7 +274,7 @@ def expect_transform(
             gap = describe_offset(actual, expected, *directions)
             where = f"{axis} = {format_number(actual, 'm')}, expected {format_number(expected, 'm')}"
             message = f"{transform.child} is {gap} in {transform.parent}: {where}"
-            problems.append(Problem(message, "the place of a frame is wrong"))
+            problems.append(Problem(message, "the position of a frame is wrong"))
     turn = yaw_of(*transform.rotation)
     if yaw is not None and not are_angles_close(turn, yaw, YAW_TOLERANCE):
         message = f"{transform.child} is turned by {format_angle(turn)} about z, expected {format_angle(yaw)}"
@@ -398,7 +398,7 @@ def _check_directions(
     angle = math.atan2(first.translation[1], first.translation[0])
     if start is not None and not are_angles_close(angle, start, YAW_TOLERANCE):
         message = f"{first.child} starts at the angle {format_angle(angle)}, expected {format_angle(start)}"
-        yield Problem(message, "a path starts at the wrong place")
+        yield Problem(message, "a path starts at the wrong position")
 
 
 @check_function("the last path on {topic}")
@@ -441,7 +441,7 @@ def expect_path(
                     message = f"{message}: {cause}"
             if is_close(math.dist(map(abs, position), map(abs, expected)), 0.0, tolerance):
                 return [Problem(message, "a pose of a path is mirrored")]
-            return [Problem(message, "a pose of a path is at the wrong place")]
+            return [Problem(message, "a pose of a path is at the wrong position")]
     own_frames = {pose.header.frame_id for pose in path.poses} - {frame}
     if own_frames:
         message = f"a pose of the path on {topic} has the frame {min(own_frames)!r} in its own header"
@@ -462,7 +462,7 @@ def expect_path(
 
 TOPIC = "/joint_states"
 STATE = "sensor_msgs/msg/JointState"
-# [rad]: time may be counted from the node's start or from its first message.
+# [rad] A node may count the time from its start or from its first message.
 PHASE_TOLERANCE = 0.2
 TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
 NOT_ALL_THE_TIME = "a joint is not published all the time"

@@ -56,7 +56,7 @@ PARENT_DEATH_SIGNAL = 1
 PARENT = os.getppid()
 # Time that a program has to end after its parent was killed [s].
 ORPHAN_SECONDS = 5
-# Its functions are called by C code, through ctypes.
+# C code calls the functions of this file, through ctypes.
 CALLBACKS = str(Path(__file__).with_name("late_types.py"))
 NOT_INSTALLED = (
     "hint: {} is not in the environment of the real ROS 2, which has rclpy, its messages and "

@@ -187,8 +187,8 @@ class Writer(OwnEndpoint[MatchedReader]):
         """Process a reader's report of received messages, and resend the missing ones."""
         if (reader := self.matched.get(guid)) is None:
             return
-        # It is lower than before if the reader has restarted with the same GUID. A late report
-        # makes no difference, because the next heartbeat is answered with the present number.
+        # The number is lower than before if the reader has restarted with the same GUID. A late
+        # report makes no difference, because the next heartbeat is answered with the present number.
         reader.acknowledged = min(base - 1, self.last)
         lost: list[int] = []
         for number in missing:
@@ -251,7 +251,7 @@ class PartialMessage:
         self.missing = set(range(1, -(-size // fragment_size) + 1))
         # Limit on the memory that it needs, [bytes].
         self.memory = size + len(self.missing) * FRAGMENT_OVERHEAD
-        # It grows with the fragments, and returns its bytes without a copy.
+        # BytesIO grows with the fragments, and returns its bytes without a copy.
         self.data = BytesIO()
 
     def add(self, first: int, count: int, payload: memoryview) -> None:
@@ -267,7 +267,7 @@ class PartialMessage:
 
 @dataclass
 class MatchedWriter:
-    """A remote writer of a reader.
+    """A remote writer that is matched with a reader.
 
     Args:
         due: Sequence number of the next message to deliver; 0 before the first is known. A

@@ -307,7 +307,7 @@ class Participant:
         """Send to a participant at its present address."""
         if remote.host == host:
             return
-        # Its endpoints keep their state, so that no message is lost or delivered twice.
+        # The participant's endpoints keep their state, so that no message is lost or delivered twice.
         for matched in [matched for own in self._own_endpoints.values() for matched in own.matched.values()]:
             if matched.endpoint.guid[:PREFIX_SIZE] == prefix:
                 locators = _locators_at(host, matched.endpoint.locators)

@@ -372,7 +372,7 @@ class _Delivery:
 class ProgramNodes:
     """The nodes of one program."""
 
-    # Their ids in the graph, from which they are removed when the program ends.
+    # The ids of the nodes, which leave the graph when the program ends.
     ids: set[int] = field(default_factory=set)
     # The full names, by id, of nodes with ready entities that were never added to an executor.
     unspun_nodes: dict[int, str] = field(default_factory=dict)

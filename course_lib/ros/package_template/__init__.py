@@ -39,7 +39,7 @@ class PackageText:
 
 
 def package_files(text: PackageText) -> dict[str, str]:
-    """Return the files by their paths in the package; without nodes, launch files and layouts."""
+    """Return the files of the package, except nodes, launch files and layouts, by path."""
     files = {place: fill_template(template, text=text) for template, place in _WHERE.items()}
     return files | {f"resource/{text.name}": "", f"{text.name}/__init__.py": ""}
 

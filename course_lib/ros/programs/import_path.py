@@ -160,7 +160,7 @@ class _HostLoader(SourceFileLoader):
 
 
 def _imported_name(host: str, name: str) -> Any:
-    """Return what programs import from a module because ROS's module imports it."""
+    """Return an object that ROS's module imports, and that programs import from it."""
     # Every `from … import` also requests __path__.
     if not name.startswith("__"):
         if name in SUBMODULES.get(host, ()) or f"{host}.{name}" in HOME_MODULES:
@@ -335,7 +335,7 @@ class _InterfaceTypesFinder(Loader):
             return spec
         if kind not in KINDS or "." in package:
             return None
-        # Here, because this method is called by each import.
+        # Imported here, because each import of a program calls this method.
         from course_lib.ros.programs.packages import interface_paths
 
         for folder in _interface_folders(package, path or ()):

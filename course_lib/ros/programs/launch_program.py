@@ -591,7 +591,7 @@ class _LaunchedProcess(Function):
 
     def run(self) -> None:
         """Run the process to its end. A missing package is an error here."""
-        # The placeholder modules are missing for the nodes of a launch.
+        # A placeholder module would hide from the nodes of a launch that a package is missing.
         for name in [name for name, module in sys.modules.items() if isinstance(module, _AbsentModule)]:
             del sys.modules[name]
         with self._prefixes.of_process(self.file.name), packages.tolerate_missing(None):

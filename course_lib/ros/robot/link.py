@@ -25,7 +25,7 @@ MAX_SKEW = 0.5  # [s]
 SECONDS_PER_DAY, DAYS_PER_YEAR = 86_400, 365.25
 SIMULATED_TIME = (
     "The robot publishes /clock: its time is simulated. Set use_sim_time to true here as well, or "
-    "stamps and tf do not fit: -p use_sim_time:=true behind --ros-args, Viewer(use_sim_time=True)."
+    "stamps and tf do not fit: -p use_sim_time:=true after --ros-args, Viewer(use_sim_time=True)."
 )
 STOP_IS_DUE = (
     "The link is down, and the robot may still move: it receives a stop command when the link is back."
@@ -73,7 +73,7 @@ class Packet:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entity(ABC):
-    """A node on the network, or an endpoint of a node. A link adds what identifies it there.
+    """A node on the network, or an endpoint of a node. A link adds its identifiers there.
 
     Args:
         kind: The kind of entity.

@@ -495,7 +495,7 @@ class TimeLock:
         return min(runnable, key=lambda thread: (thread.index <= me.index, thread.index), default=None)
 
     def _report_deadlock(self, me: ProgramThread, graph: Graph) -> None:
-        """Set a DeadlockError for the main thread, or for the caller if that one does not wait."""
+        """Set a DeadlockError for the main thread, or for the caller if the main thread does not wait."""
         waits = ", ".join(
             f'thread "{t.name}" waits for {t.wait.awaited}'
             for t in self._waiting

@@ -204,7 +204,7 @@ class RqtView:
         if control.options != tuple(options):
             new_value = previous if previous in options else None
             self._is_updating_options = True
-            # This selects the first option.
+            # Assigning the options selects the first one.
             control.options = tuple(options)
             self._is_updating_options = new_value == previous
             control.value = new_value

@@ -189,6 +189,6 @@ def test_xacro_command_with_a_space_in_the_path_has_a_hint(arm: Path, tmp_path: 
 
 def test_command_without_a_space_behind_xacro_is_recognized(tmp_path: Path, context: LaunchContext) -> None:
     with pytest.raises(
-        SubstitutionFailure, match=r"A space is missing behind xacro: Command\(\['xacro ', path\]\)"
+        SubstitutionFailure, match=r"A space is missing after xacro: Command\(\['xacro ', path\]\)"
     ):
         Command(["xacro", str(tmp_path / "arm.xacro")]).perform(context)

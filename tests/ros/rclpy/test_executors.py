@@ -295,7 +295,7 @@ while rclpy.ok():
         ),
         (
             "node.create_service(Trigger, 's', print)\nclient.call(Trigger.Request())",
-            "client.call(Trigger.Request()): it waited in vain for another thread that spins",
+            "client.call(Trigger.Request()): no response can arrive without another thread that spins",
         ),
         (
             "client.wait_for_service()",

@@ -152,7 +152,7 @@ class AppendEnvironmentVariable(DataAction):
     separator: Some = os.pathsep
 
     def execute(self, context: LaunchContext) -> None:
-        """Join the value to the one of the environment."""
+        """Join the value to the variable's value in the environment."""
         key, parts = text_of(context, self.name), [text_of(context, self.value)]
         before = as_bool(context, self.prepend)
         if key in os.environ:
@@ -322,7 +322,7 @@ class ExecuteLocal(Action):
                 raise NotAvailableError(f"`{command}` cannot run here: {reason}")
             raise NotAvailableError(
                 f"ExecuteProcess is not available here: `{command}` would run outside robot time. "
-                "Start nodes with launch_ros.actions.Node; run other commands beside the launch."
+                "Start nodes with launch_ros.actions.Node; run other commands separately."
             )
 
 

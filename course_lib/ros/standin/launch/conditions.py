@@ -44,7 +44,7 @@ class LaunchConfigurationEquals(Condition):
 
 
 class LaunchConfigurationNotEquals(Condition):
-    """True if a launch configuration does not have the expected value, or is set if that value is None."""
+    """True if a launch configuration differs from the expected value; for None, if it is set."""
 
     def __init__(
         self,

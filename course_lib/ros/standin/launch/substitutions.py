@@ -235,7 +235,7 @@ def _run_command(arguments: Sequence[str]) -> ProgramResult:
         )
     if shutil.which(arguments[0]) is None:
         is_joined = arguments[0].startswith("xacro/")
-        space = ". A space is missing behind xacro: Command(['xacro ', path])" if is_joined else ""
+        space = ". A space is missing after xacro: Command(['xacro ', path])" if is_joined else ""
         raise SubstitutionFailure(f"file not found: {arguments[0]}{space}")
     process = subprocess.run(arguments, capture_output=True, text=True, check=False)
     return ProgramResult(process.stdout, process.stderr, process.returncode)

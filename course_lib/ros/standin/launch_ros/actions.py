@@ -45,7 +45,7 @@ class PushRosNamespace(DataAction):
     namespace: Some
 
     def execute(self, context: LaunchContext) -> None:
-        """Join the namespace to the one of the group."""
+        """Append the namespace to the namespace of the group."""
         settings = context.launch_configurations
         settings[_NAMESPACE] = _join_namespaces(
             settings.get(_NAMESPACE, ""), text_of(context, self.namespace)

@@ -20,6 +20,9 @@ from rclpy.task import Future
 # Interval between checks whether a service is available, as in rclpy.
 POLL_NS = 250_000_000
 _SPINNER = "another thread that spins the client's node"
+_NO_RESPONSE = (
+    f"no response can arrive without {_SPINNER}. Use call_async() with add_done_callback() or await."
+)
 
 
 class Client(ServiceEnd):
@@ -66,12 +69,12 @@ class Client(ServiceEnd):
                 "MultiThreadedExecutor, with the client in another callback group."
             )
         awaited = f"the response of {self._course_full_name} and {_SPINNER}"
-        with explain_interrupts(lambda: "" if self.__is_spun() else f"it waited in vain for {_SPINNER}."):
+        with explain_interrupts(lambda: "" if self.__is_spun() else _NO_RESPONSE):
             wait_until(self._course_node, lambda: not future._pending(), timeout_sec, awaited)
         if future._pending():
             self.remove_pending_request(future)
             if timeout_sec is None and not self.__is_spun():
-                raise DeadlockError(f"call() on {self._course_full_name} waited in vain for {_SPINNER}.")
+                raise DeadlockError(f"call() on {self._course_full_name}: {_NO_RESPONSE}")
         return future.result()
 
     def get_pending_request(self, sequence_number: int) -> Future[Any]:

@@ -121,7 +121,7 @@ def _full_query(
 
 
 def _texts(*arguments: tuple[int, str]) -> list[str]:
-    """Return arguments of tf2 that must be strings, each passed with its position."""
+    """Check that arguments, passed with their positions, are strings, and return them."""
     for position, value in arguments:
         if not isinstance(value, str):
             kind = "None" if value is None else type(value).__name__

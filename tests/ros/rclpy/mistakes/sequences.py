@@ -75,7 +75,7 @@ SEQUENCES = [
     (
         "(1.0, 2.0)[2]",
         "IndexError: tuple index out of range",
-        "the tuple is shorter than that: print len(…) of it first.",
+        "the index is beyond the end of the tuple: print len(…) of it first.",
     ),
     (
         "[].pop()",
@@ -371,7 +371,7 @@ SEQUENCES = [
         "import numpy as np\np = np.array([0, 0])\np += 0.5",
         "_UFuncOutputCastingError: Cannot cast ufunc 'add' output from dtype('float64') to "
         "dtype('int64') with casting rule 'same_kind'",
-        "this array has whole numbers only: begin it with decimal points, `np.array([0.0, 0.0])`, "
+        "this array has whole numbers only: create it with decimal points, `np.array([0.0, 0.0])`, "
         "or "
         "dtype=float.",
     ),

@@ -112,11 +112,11 @@ class YamlEntity(_Element):
 
     @property
     def children(self) -> "Sequence[YamlEntity]":
-        """The child elements: the list itself, or the list of the key `children`."""
+        """The child elements: the element's own list, or the list below its key `children`."""
         self._asked.add("children")
         inner = self._value.get("children") if isinstance(self._value, dict) else self._value
         if not isinstance(inner, list):
-            raise self.error("expected a list of elements, or a mapping with one behind `children:`")
+            raise self.error("expected a list of elements, or a mapping with a list below `children:`")
         children = []
         for value in inner:
             line = self._lines.get(id(value), self.line)

@@ -44,7 +44,7 @@ class LoggingFilter:
 
 
 class Once(LoggingFilter):
-    """Shows the first execution of a call only."""
+    """Passes only the first execution of a call."""
 
     params: ClassVar[dict[str, Any]] = {"once": None}
 
