@@ -162,8 +162,21 @@ def _find_hint(error: BaseException) -> str:
             return similar
         attribute = re.match(r"'(\w+)' object has no attribute '(\w+)'$", text)
         if attribute and is_student_class(type(error.obj)):
-            return f"set `self.{attribute[2]}` in {attribute[1]}.__init__, spelled the same."
+            return _unset_attribute_hint(error, attribute[1], attribute[2])
     return ""
+
+
+def _unset_attribute_hint(error: AttributeError, owner: str, name: str) -> str:
+    """Return the hint for an attribute that the student's object does not have at this line."""
+    frame, cls = frame_of(error), type(error.obj)
+    of_node = ("create_", "get_", "declare_", "destroy_")
+    if not hasattr(cls, "create_timer") and name.startswith(of_node):
+        return f"write (Node) after the name of the class, class {owner}(Node): then it has {name}."
+    for key, value in frame.f_locals.items() if frame is not None else ():
+        fields = getattr(type(value), "get_fields_and_field_types", dict)
+        if name in fields():
+            return f"did you mean `{key}.{name}`? It is a field of the message."
+    return f"set `self.{name}` in {owner}.__init__, spelled the same."
 
 
 def _foreign_letter_hint(error: BaseException, text: str) -> str:
@@ -189,6 +202,8 @@ def _field_hint(types: Sequence[str], attribute: str, line: str) -> str:
     lists = [f.name for type_ in definitions for f in type_.fields if f.container != "scalar"]
     if attribute in dir(list) and len(lists) == 1:
         return f"did you mean `{lists[0]}.{attribute}`? {show}"
+    if attribute in ("copy", "deepcopy", "clone"):
+        return "a message has no method for this: `import copy`, then copy.deepcopy(message)."
     if attribute == "publish":
         return "this is a message: a publisher sends it, `self.publisher.publish(message)`."
     called = re.search(rf"\b(self\.\w+)\.{attribute}\(", line)
@@ -528,6 +543,9 @@ def _loop_hint(error: BaseException, text: str) -> str:
     name = (match[1] or match[2]) if match else ""
     # rclpy's own classes of these names are not messages.
     if not name or not isinstance(error, TypeError) or name in ("Time", "Duration", "Parameter"):
+        return ""
+    # A callback returned it to rclpy, which has a hint of its own.
+    if name == "SetParametersResult" and not line_of_student(error):
         return ""
     frame, trace = frame_of(error), error.__traceback__
     while trace is not None and trace.tb_next is not None:

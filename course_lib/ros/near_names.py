@@ -4,11 +4,13 @@ Python itself suggests such names below a traceback, but IPython prints tracebac
 Python cannot suggest names that are not imported yet or, before 3.12, `self.name`.
 """
 
+import ast
 import builtins
 import dis
 import importlib
 import inspect
 import keyword
+import linecache
 import os
 import re
 import sys
@@ -229,7 +231,7 @@ def name_hint(error: NameError) -> str:
         if re.match(rf"\s*{missing}\s*=.*\b{missing}[.(]", line):
             own = f"{missing} on the right is the variable of this line, which has no value yet"
             return f"{own}. If a module or a function {missing} is meant, choose another name on the left."
-        return f"give {missing} a value before this line, on every path that leads here."
+        return _unset_variable_hint(missing, frame)
     # One letter too many, like Points, is more likely than a class of the kit that no cell imports.
     singular = missing.removesuffix("s")
     if singular != missing and singular in frame.f_globals and missing not in IMPORTS:
@@ -251,6 +253,27 @@ def name_hint(error: NameError) -> str:
     return _similar_name(error, missing, frame, owner, importable)
 
 
+def _unset_variable_hint(missing: str, frame: FrameType) -> str:
+    """Return the hint for a variable without a value, which an `except` may have skipped."""
+    try:
+        tree = ast.parse("".join(linecache.getlines(frame.f_code.co_filename)))
+    except SyntaxError:  # a cell with a magic
+        tree = ast.Module([], [])
+    for node in ast.walk(tree):
+        body = node.body if isinstance(node, ast.Try) else []
+        stored = [name for part in body for name in ast.walk(part) if isinstance(name, ast.Name)]
+        if not any(name.id == missing and isinstance(name.ctx, ast.Store) for name in stored):
+            continue
+        for handler in getattr(node, "handlers", []):
+            if not isinstance(handler.body[-1], ast.Return | ast.Raise | ast.Continue | ast.Break):
+                head = ast.unparse(handler).splitlines()[0]
+                return (
+                    f'the line that sets {missing} raised an error, and after "{head}" the '
+                    "function goes on without a value: end the except with return."
+                )
+    return f"give {missing} a value before this line, on every path that leads here."
+
+
 def _line_hint(missing: str, line: str, frame: FrameType) -> str:
     """Return the hint for an undefined name whose spelling or line shows the mistake, or ""."""
     if found := syntax_hints.foreign_letter(missing):
@@ -268,6 +291,8 @@ def _line_hint(missing: str, line: str, frame: FrameType) -> str:
         return f"write self.{missing}(…) in def __init__: it is a method of a node."
     if re.match(rf"\s*{missing}\s*==", line):
         return f"== compares. To set a value, write a single =, as in {missing} = 1.0."
+    if re.search(rf"[{{,]\s*{missing}\s*:", line) and "lambda" not in line:
+        return f"a key of a dictionary is a string, in quotes: {missing!r}."
     if missing in _ENDS and line.strip().rstrip(";") == missing:
         return f"a block ends where its lines are no longer indented: delete {missing}."
     return ""
@@ -436,7 +461,7 @@ def key_hint(error: BaseException) -> str:
     """
     frame = frame_of(error)
     missing_key = error.args[0] if isinstance(error, KeyError) and error.args else None
-    if frame is None or not isinstance(missing_key, str | int):
+    if frame is None or not isinstance(missing_key, str | int | float):
         return ""
     if frame.f_locals.get("self") is os.environ:
         return (
@@ -453,11 +478,30 @@ def key_hint(error: BaseException) -> str:
         if {type(key), type(missing_key)} == {str, int} and str(key) == str(missing_key):
             kind = "a string" if isinstance(key, str) else "a number"
             return f"the key is {kind}, {key!r}, and not {missing_key!r}."
-    if isinstance(missing_key, int):
+    if found := _wrong_argument_hint(missing_key, error):
+        return found
+    if not isinstance(missing_key, str):
         return ""
     keys = [key for key in all_keys if isinstance(key, str)]
     similar = nearest(missing_key, keys)
     return f"did you mean {similar!r}?" if similar else ""
+
+
+def _wrong_argument_hint(missing_key: object, error: BaseException) -> str:
+    """Return the hint for a key that the caller of the failing function has passed, or ""."""
+    all_steps = walk_tb(error.__traceback__)
+    steps = [step for step in all_steps if is_student_file(step[0].f_code.co_filename)]
+    if len(steps) < 2:
+        return ""
+    (outer, number), (inner, _) = steps[-2:]
+    parameters = inner.f_code.co_varnames[: inner.f_code.co_argcount]
+    found = [name for name in parameters if inner.f_locals.get(name) is missing_key]
+    line = linecache.getline(outer.f_code.co_filename, number).strip()
+    function = inner.f_code.co_name
+    if len(found) != 1 or f"{function}(" not in line:
+        return ""
+    value = f"{found[0]} = {missing_key!r}"
+    return f"{function}(…) gets {value} in line {number}: are its values right, and in order?"
 
 
 def attribute_hint(error: AttributeError) -> str:
@@ -472,7 +516,7 @@ def attribute_hint(error: AttributeError) -> str:
     if frame is not None and error.obj is frame.f_locals.get("self") and error.name in frame.f_locals:
         return f"{error.name} is a variable of this method: write `{error.name}` without self."
     cls = type(error.obj)
-    if is_student_class(cls) and (found := _misplaced_hint(error.name, cls)):
+    if is_student_class(cls) and (found := _misplaced_hint(error.name, cls, error)):
         return found
     own_classes = [base for base in cls.__mro__ if is_student_class(base)]
     if own_classes:
@@ -491,7 +535,10 @@ def attribute_hint(error: AttributeError) -> str:
     similar = nearest(error.name, names)
     if own_classes:
         # `self.publish` resembles `publisher` more than the name that is probably meant.
-        if holder := _holder_of(error.name, error.obj):
+        # A method of the class that differs by a letter is meant before `values` of a dictionary.
+        is_method = callable(getattr(cls, similar, None))
+        is_near = is_method and nearest(error.name, [similar], 0.85) != ""
+        if not is_near and (holder := _holder_of(error.name, error.obj)):
             return f"did you mean `self.{holder}.{error.name}`?"
         own_names = list(dict.fromkeys(name for name in names if name in attributes))
         in_init = frame is not None and frame.f_code.co_name == "__init__"
@@ -528,6 +575,14 @@ def _module_attribute_hint(module: ModuleType, name: str, frame: FrameType | Non
     line = import_of_interface(name, package) if package in interfaces() else ""
     if line.startswith(f"from {package}."):
         return f"write `{line}`."
+    # math.cosine and np.rad: a name is longer or shorter in other languages.
+    functions = (one for one in public_attributes(module) if callable(getattr(module, one)))
+    names = [one for one in functions if len(one) > 2]
+    if len(name) > 2 and not nearest(name, names):
+        begin = [one for one in names if name.startswith(one)]
+        begin = begin or [one for one in names if one.startswith(name)]
+        if 0 < len(begin) <= 3:
+            return f"did you mean {' or '.join(f'`{one}`' for one in begin)}?"
     if "." in package or not hasattr(module, "__path__"):
         return ""
     # A library may lack an import itself, as xacro does.
@@ -539,7 +594,7 @@ def _module_attribute_hint(module: ModuleType, name: str, frame: FrameType | Non
     return ""
 
 
-def _misplaced_hint(name: str, cls: type) -> str:
+def _misplaced_hint(name: str, cls: type, error: BaseException) -> str:
     """Return the hint for a name that a class lacks, because it is defined elsewhere, or "".
 
     A method may be after its class or inside another method, and an attribute may be a variable
@@ -554,6 +609,20 @@ def _misplaced_hint(name: str, cls: type) -> str:
     if isinstance(function, FunctionType) and function.__code__.co_varnames[:1] == ("self",):
         first = methods[0].__name__
         return f"def {name} is outside of the class {cls.__name__}: indent it as far as def {first}."
+    running = {frame.f_code: number for frame, number in walk_tb(error.__traceback__)}
+    for key, code in codes.items():
+        for step in dis.get_instructions(code):
+            if step.opname != "STORE_ATTR" or step.argval != name:
+                continue
+            number = (step.positions.lineno if step.positions else None) or 0
+            if key == "__init__" and number > running.get(code, number):
+                line = f"self.{name} is set later, in line {number}"
+                return f"{line}: move that line up, before this one."
+            if key != "__init__" and code not in running:
+                return (
+                    f"self.{name} is set in {key}, which has not run yet: write self.{name} = None "
+                    f"in __init__, and `if self.{name} is None: return` before this line."
+                )
     for key, code in codes.items():
         if name in code.co_varnames[code.co_argcount :]:
             return f"{name} = … in {key} is a variable that ends with it: write self.{name} = … there."
@@ -579,7 +648,7 @@ _OTHER_KEYWORDS = {
 def keyword_hint(error: BaseException) -> str:
     """Return a question with the argument closest to one that a function does not have, or ""."""
     match = re.match(
-        r"(?:\w+\.)*?(\w+)(?:\.__init__)?\(\) got an unexpected keyword argument '(\w+)'", str(error)
+        r"(?:\w+\.)*?(\w+)(?:\.__init__)?\(\) got an unexpected keyword argument '([\w ]+)'", str(error)
     )
     frame = frame_of(error)
     if match is None or frame is None:
@@ -605,7 +674,10 @@ def keyword_hint(error: BaseException) -> str:
         return "this is rclpy's Node. In a launch file, write `from launch_ros.actions import Node`."
     if (other := _OTHER_KEYWORDS.get(match[2], "")) in names:
         return f"did you mean `{other}`?"
-    similar = nearest(match[2], names, 0.6) or next((n for n in names if n.startswith(match[2])), "")
+    # A property's label, like "Fixed Frame", is written in small letters with underscores.
+    similar = nearest(match[2].lower().replace(" ", "_"), names, 0.6) or next(
+        (n for n in names if n.startswith(match[2])), ""
+    )
     if match[2] == "queue_size" and "qos_profile" in names:
         return "queue_size is from ROS 1: write the number alone, like 10, as the last argument."
     if similar:
@@ -671,10 +743,20 @@ def keyword_argument_hint(error: BaseException) -> str:
     return f"{match[1]} takes the last values by name: {', '.join(f'{name}=…' for name in names)}{more}."
 
 
+# The arguments of a QoSProfile.
+_OF_PROFILE = ("history", "depth", "reliability", "durability", "lifespan", "deadline")
+_OF_PROFILE += ("liveliness", "liveliness_lease_duration", "avoid_ros_namespace_conventions")
+
+
 def constructor_hint(error: BaseException) -> str:
     """Return a question with the field closest to one that a message constructor rejects, or ""."""
     match = re.match(r"Invalid arguments passed to constructor: (\w+)", str(error))
     frame = frame_of(error)
+    for name in re.findall(r"'(\w+)'", str(error)) if "dict_keys" in str(error) else ():
+        if name not in _OF_PROFILE:
+            similar = nearest(name, _OF_PROFILE)
+            names = join_words(_OF_PROFILE)
+            return f"did you mean `{similar}`?" if similar else f"a QoSProfile has {names}."
     instance = frame.f_locals.get("self", frame.f_locals.get("_self")) if frame is not None else None
     if match is None or instance is None or not hasattr(type(instance), "get_fields_and_field_types"):
         return ""

@@ -50,7 +50,8 @@ def syntax_hint(error: SyntaxError) -> str:
         )
     if newer := newer_python_hint(error):
         return newer
-    if message.startswith("positional argument follows") and (found_comma := decimal_comma_hint(line)):
+    is_split = message.startswith("positional argument follows") or "after dictionary key" in message
+    if is_split and (found_comma := decimal_comma_hint(line)):
         return found_comma
     if _is_prose(line) and not message.startswith("Missing parentheses"):
         return "this line is text and not code: delete it, or begin it with # as a comment."

@@ -51,13 +51,17 @@ def value_hint(error: BaseException, text: str) -> str:
         # The class of an action's result is Fibonacci_Result, which a program calls Fibonacci.Result.
         shown = value.__name__.replace("_", ".")
         return f"this is the class {shown}: create an object, with `{shown}()`."
+    if found := _several_values_hint(value, kind, line_of_student(error)):
+        return found
     if isinstance(value, bytes) and kind == "str":
         return "this is of type bytes, and the field takes a string: print it. Text in bytes has decode( )."
     if isinstance(value, list | tuple) and kind == "str":
         return f"this is a {name}, and the field takes one string: `', '.join(['a', 'b'])` joins strings."
     if isinstance(value, FunctionType | MethodType | BuiltinFunctionType):
         return f"this is the function {value.__name__}, which is not called: are its ( ) missing?"
-    if is_number and (found := _number_hint(value, kind, text, line_of_student(error))):
+    owners = [step.f_locals.get("self") for step, _ in walk_tb(error.__traceback__)]
+    owner = type(next((one for one in owners[::-1] if hasattr(one, "get_fields_and_field_types")), None))
+    if is_number and (found := _number_hint(value, kind, text, line_of_student(error), owner)):
         return found
     if name == "Parameter":
         return "this is a parameter: read its value, `self.get_parameter('a_name').value`."
@@ -68,11 +72,23 @@ def value_hint(error: BaseException, text: str) -> str:
     return _nested_message_hint(value, kind, re.match(r"The '(\w+)' field", text))
 
 
+def _several_values_hint(value: object, kind: str, line: str) -> str:
+    """Return the hint for a function's several values that are assigned to too few or exchanged names."""
+    # In status.message, status.level = found, the names on the left may be exchanged.
+    if re.match(r"\s*[\w.]+\s*,\s*[\w.]+\s*=[^=]", line) and type(value) in (bytes, str):
+        name = type(value).__name__
+        return f"this is of type {name}: are the names on the left of = in the order of the values?"
+    if isinstance(value, tuple) and kind == "bytes":
+        return f"this is a tuple of {len(value)} values: write a name for each of them on the left of =."
+    return ""
+
+
 def _message_value_hint(value: Any, kind: str) -> str:
     """Return the hint for a field to which a message of another type is assigned, or ""."""
     name, is_number = type(value).__name__, kind in ("float", "int")
     fields = type(value).get_fields_and_field_types()
-    fitting = [one for one, of in fields.items() if of.rpartition("/")[2] == kind]
+    wanted = "string" if kind == "str" else kind
+    fitting = [one for one, of in fields.items() if of.rpartition("/")[2] == wanted]
     if fitting:
         return f"this is a {name}: take its field {fitting[0]}."
     holders = [field.name for field in _fields_of(kind) if field.base.endswith(f"/{name}")]
@@ -131,7 +147,7 @@ def _nested_message_hint(value: object, kind: str, field: re.Match[str] | None) 
     return f"create one, with named fields: `{kind}({arguments})`."
 
 
-def _number_hint(value: object, kind: str, text: str, line: str) -> str:
+def _number_hint(value: object, kind: str, text: str, line: str, owner: type) -> str:
     """Return the hint for a number field that is set to a similar value, such as a string, or "".
 
     A line may round the value of a float field with // or int( ).
@@ -145,7 +161,12 @@ def _number_hint(value: object, kind: str, text: str, line: str) -> str:
         return f"this is {len(value)} numbers, {value!r}: a decimal number has a point, 0.8, not a comma."
     if isinstance(value, np.generic):
         return f"this is numpy's {name}: convert it with {kind}(…)."
-    if isinstance(value, str) and not re.search("'(type|action)' field", text):
+    if isinstance(value, str) and re.search("'(type|action)' field", text):
+        # In a Marker, "sphere" is meant as its constant SPHERE.
+        constant = value.strip().upper().replace(" ", "_")
+        is_known = isinstance(getattr(owner, constant, None), int)
+        return f"use the constant: `{owner.__name__}.{constant}`." if is_known else ""
+    if isinstance(value, str):
         return f"this is the string {value!r}: remove the quotes, or convert it with {kind}(…)."
     # numpy cannot measure a list whose items differ in length.
     if isinstance(value, list | np.ndarray) and (len(value) if isinstance(value, list) else value.size) != 1:
@@ -182,7 +203,8 @@ def list_hint(error: BaseException, text: str) -> str:
         return "this is None: append() and other methods that change a list return None."
     if isinstance(value, str | int | float):
         return f"this is one value, {value!r}, and the field takes several: put them into a list, in [ ]."
-    if isinstance(value, np.ndarray) and value.ndim != 1:
+    point = re.search(r"each value of type '(Point|Vector3|Quaternion|ColorRGBA)'", text)
+    if isinstance(value, np.ndarray) and value.ndim != 1 and not point:
         return _FLAT.format(value.ndim)
     if isinstance(value, Iterable) and not isinstance(value, Collection):
         return f"this is of type {type(value).__name__}, which is not a list: put it into list( )."
@@ -221,6 +243,14 @@ def _item_hint(index: int, item: Any, text: str) -> str:
         return f"item {index} of the list is {item!r}, not {noun}."
     if plain_type is not None and plain_type[1] == "str" and isinstance(item, int | float):
         return f"item {index} of the list is {item!r:.40}, not a string."
+    kind = re.search(r"each value of type '(\w+)'", text)
+    wanted = kind[1] if kind is not None and "'transforms'" not in text else ""
+    if wanted and plain_type is None and hasattr(type(item), "get_fields_and_field_types"):
+        return f"item {index} is of type {type(item).__name__}, and the list takes a {wanted} for each item."
+    names = _NUMBERS_OF.get(wanted, "")
+    if names and isinstance(item, list | tuple | np.ndarray) and len(item) == len(names):
+        parts = ", ".join(f"{name}=item[{place}]" for place, name in enumerate(names))
+        return f"item {index} is only numbers. Make a message of each: {wanted}({parts})."
     # A point that is three numbers is not a list in the list.
     is_nested = isinstance(item, list | tuple | np.ndarray)
     if is_nested and plain_type is None and any(isinstance(one, str) for one in item):
@@ -250,6 +280,8 @@ def index_hint(error: BaseException) -> str:
         # An empty field of numbers has a hint of its own.
         if -count <= value < count or (isinstance(items, array) and not count):
             continue
+        if not count and "assignment" in str(error):
+            return f"{holder} is empty here: {holder}.append(…) adds an item."
         if not count:
             return f"{holder} is empty here: test this first, with if len({holder}) == 0."
         number = index if index == str(value) else f"{index}, which is {value}"

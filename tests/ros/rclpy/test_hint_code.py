@@ -70,6 +70,7 @@ parameter = rclpy.parameter.Parameter("gain", value=1.0)
 self.publisher = robot.create_publisher(Marker, '/a_topic', 10)
 publisher = angle = get_logger = spin = 0
 pose = PoseStamped()
+self.message = message
 """
 # Names that a hint suggests: an attribute or a field of an object that the hint does not repeat.
 FIELDS = {
@@ -91,6 +92,8 @@ FIELDS = {
     "get_logger",
     "publisher",
     "spin",
+    "value",
+    "depth",
     "self.",
 }
 

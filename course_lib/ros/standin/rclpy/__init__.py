@@ -166,8 +166,10 @@ def _with_node(executor: Executor | None, node: Node, *, keep: bool = False) -> 
     With `keep`, a node that was added before remains.
     """
     used_executor = get_global_executor() if executor is None else executor
-    is_new = used_executor.add_node(node)
+    is_new = False
+    # As in rclpy, a node in place of the executor fails in remove_node as well.
     try:
+        is_new = used_executor.add_node(node)
         yield used_executor
     finally:
         if is_new or not keep:

@@ -128,4 +128,41 @@ FRAMES = [
         "TypeError: int() argument must be a string, a bytes-like object or a real number, not 'property'",
         "a class stands where an object is needed: create one with ( ), as in `Time()`.",
     ),
+    (
+        "transform('map', 'base_link', 1).header.child_frame_id = 'base_link'",
+        "AttributeError: 'Header' object has no attribute 'child_frame_id'",
+        "child_frame_id is a field of the TransformStamped itself, beside its header: "
+        "`transform.child_frame_id = 'base_link'`.",
+    ),
+    (
+        "Buffer().lookup_transform('map', PoseStamped().header, Time())",
+        "TypeError: argument 2 must be str, not Header",
+        "a frame is a string: take header.frame_id.",
+    ),
+    (
+        "node.declare_parameter('world', 'map')\n"
+        "Buffer().can_transform(node.get_parameter('world'), 'base_link', Time())",
+        "TypeError: argument 1 must be str, not Parameter",
+        "a frame is a string, and this is a parameter: read its value, `self.get_parameter('a_name').value`.",
+    ),
+    (
+        "Buffer().can_transform('map', 'base_link')",
+        "TypeError: Buffer.can_transform() missing 1 required positional argument: 'time'",
+        "can_transform also needs a time: `self.buffer.can_transform('map', 'base_link', "
+        "Time())` asks for the newest transform.",
+    ),
+    (
+        "import tf2_geometry_msgs\n"
+        "tf2_geometry_msgs.do_transform_pose(PoseStamped(), transform('map', 'base_link', 1))",
+        "AttributeError: 'PoseStamped' object has no attribute 'position'",
+        "do_transform_pose takes a Pose. A PoseStamped is transformed by do_transform_pose_stamped.",
+    ),
+    (
+        "try:\n"
+        "    Buffer().lookup_transform('map', 'base_link', Time())\n"
+        "except 'LookupException':\n"
+        "    pass",
+        "TypeError: catching classes that do not inherit from BaseException is not allowed",
+        "except takes the class of an exception, without quotes and without ( ).",
+    ),
 ]

@@ -73,7 +73,7 @@ MESSAGES = [
     (
         "UInt8(data=300)",
         "AssertionError: The 'data' field must be an unsigned integer in [0, 255]",
-        "",
+        "this number is negative or too large for the field: print it.",
     ),
     (
         "String(data=5)",
@@ -149,7 +149,7 @@ MESSAGES = [
     (
         "Marker(type='CUBE')",
         "AssertionError: The 'type' field must be of type 'int'",
-        "use a constant, like `Marker.CUBE`.",
+        "use the constant: `Marker.CUBE`.",
     ),
     (
         "PoseStamped().pose.position = (1.0, 2.0, 3.0)",
@@ -198,7 +198,7 @@ MESSAGES = [
         "marker.points.append((1.0, 2.0, 3.0))\n"
         "node.create_publisher(Marker, 'marker', 10).publish(marker)",
         "AssertionError: The 'points' field must be a set or sequence and each value of type 'Point'",
-        "use a list of them: `[Point(x=1.0, y=1.0, z=1.0)]`.",
+        "item 0 is only numbers. Make a message of each: Point(x=item[0], y=item[1], z=item[2]).",
     ),
     (
         "Marker().points = Point()",
@@ -383,7 +383,9 @@ MESSAGES = [
         "from geometry_msgs.msg import PoseWithCovariance\nPoseWithCovariance().covariance = [0.0] * 6",
         "AssertionError: The 'covariance' field must be a set or sequence with length 36 and each "
         "value of type 'float' and each double in "
-        "[-179769313486231570814527423731704356798070567525844996598917476803157260780028538760589558632766878171540458953514382464234321326889464182768467546703537516986049910576",
+        "[-17976931348623157081452742373170435679807056752584499659891747680315726078002853"
+        "8760589558632766878171540458953514382464234321326889464182768467546703537516986049"
+        "910576",
         "the field takes 36 numbers, and this list has 6.",
     ),
     (
@@ -412,7 +414,7 @@ MESSAGES = [
     (
         "Marker().action = 'DELETE'",
         "AssertionError: The 'action' field must be of type 'int'",
-        "use a constant, like `Marker.DELETE`.",
+        "use the constant: `Marker.DELETE`.",
     ),
     (
         "feedback = Fibonacci.Feedback()\nfeedback.partial_sequence = [1]",
@@ -473,5 +475,55 @@ MESSAGES = [
         "class Arm:\n    def __init__(self, pose=None):\n        self.pose = pose\nArm().pose.position",
         "AttributeError: 'NoneType' object has no attribute 'position'",
         "this is None: does the function that created it return something?",
+    ),
+    (
+        "Marker(type='sphere')",
+        "AssertionError: The 'type' field must be of type 'int'",
+        "use the constant: `Marker.SPHERE`.",
+    ),
+    (
+        "copied = Marker().copy()",
+        "AttributeError: 'Marker' object has no attribute 'copy'",
+        "a message has no method for this: `import copy`, then copy.deepcopy(message).",
+    ),
+    (
+        "import numpy as np\nmarker = Marker()\nmarker.points = np.zeros((3, 3))",
+        "AssertionError: The 'points' field must be a set or sequence and each value of type 'Point'",
+        "item 0 is only numbers. Make a message of each: Point(x=item[0], y=item[1], z=item[2]).",
+    ),
+    (
+        "from nav_msgs.msg import Path\nfrom geometry_msgs.msg import Pose\npath = Path(poses=[Pose()])",
+        "AssertionError: The 'poses' field must be a set or sequence and each value of type 'PoseStamped'",
+        "item 0 is of type Pose, and the list takes a PoseStamped for each item.",
+    ),
+    (
+        "from visualization_msgs.msg import MarkerArray\narray = MarkerArray()\narray.markers[0] = Marker()",
+        "IndexError: list assignment index out of range",
+        "array.markers is empty here: array.markers.append(…) adds an item.",
+    ),
+    (
+        "marker = Marker()\nmarker.header.frame_id = PoseStamped().header",
+        "AssertionError: The 'frame_id' field must be of type 'str'",
+        "this is a Header: take its field frame_id.",
+    ),
+    (
+        "status = DiagnosticStatus()\nstatus.level = DiagnosticStatus.OK, 'normal'",
+        "AssertionError: The 'level' field must be of type 'bytes' or 'ByteString' with length 1",
+        "this is a tuple of 2 values: write a name for each of them on the left of =.",
+    ),
+    (
+        "status = DiagnosticStatus()\nstatus.message, status.level = DiagnosticStatus.OK, 'normal'",
+        "AssertionError: The 'message' field must be of type 'str'",
+        "this is of type bytes: are the names on the left of = in the order of the values?",
+    ),
+    (
+        "from sensor_msgs.msg import Image\nImage(width=-1)",
+        "AssertionError: The 'width' field must be an unsigned integer in [0, 4294967295]",
+        "this number is negative or too large for the field: print it.",
+    ),
+    (
+        "node.create_publisher(Marker, 'marker', 10).publish({'type': 1})",
+        "TypeError: Expected <class 'visualization_msgs.msg._marker.Marker'>, got <class 'dict'>",
+        "publish a message: create one with `Marker()`, and set its fields.",
     ),
 ]

@@ -424,4 +424,74 @@ NODES = [
         "only a lifecycle node has this method: derive the class from LifecycleNode, `from "
         "rclpy.lifecycle import LifecycleNode`.",
     ),
+    (
+        "class Talker():\n    def __init__(self):\n        self.create_timer(1.0, print)\nTalker()",
+        "AttributeError: 'Talker' object has no attribute 'create_timer'",
+        "write (Node) after the name of the class, class Talker(Node): then it has create_timer.",
+    ),
+    (
+        "class Talker(Node):\n    def __init__(self):\n        super(Node).__init__('talker')\nTalker()",
+        "TypeError: super() argument 1 must be type, not str",
+        "write `super().__init__('a_name')`, with nothing in super( ).",
+    ),
+    (
+        "class Talker(Node):\n    def __init__(self):\n        super().__int__('talker')\nTalker()",
+        "AttributeError: 'super' object has no attribute '__int__'",
+        "__init__ is misspelled: write `super().__init__('a_name')`.",
+    ),
+    (
+        "rclpy.spin(Node('first'), Node('second'))",
+        "AttributeError: 'Node' object has no attribute 'remove_node'",
+        "spin takes one node. An executor runs several: call `executor.add_node(node)` for "
+        "each of them, and then executor.spin().",
+    ),
+    (
+        "node.get_clock.now()",
+        "AttributeError: 'function' object has no attribute 'now'",
+        "node.get_clock is a function: call it with ( ) before the dot, node.get_clock().now.",
+    ),
+    (
+        "class Talker(Node):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('talker')\n"
+        "        self.start()\n"
+        "        self.angle = 0.0\n"
+        "    def start(self):\n"
+        "        print(self.angle)\n"
+        "Talker()",
+        "AttributeError: 'Talker' object has no attribute 'angle'",
+        "self.angle is set later, in line 5: move that line up, before this one.",
+    ),
+    (
+        "class Talker(Node):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('talker')\n"
+        "    def heard(self, message):\n"
+        "        self.message = message\n"
+        "    def tick(self):\n"
+        "        print(self.message)\n"
+        "Talker().tick()",
+        "AttributeError: 'Talker' object has no attribute 'message'",
+        "self.message is set in heard, which has not run yet: write self.message = None in "
+        "__init__, and `if self.message is None: return` before this line.",
+    ),
+    (
+        "class Talker(Node):\n"
+        "    def heard(self, message):\n"
+        "        print(self.scale)\n"
+        "Talker('talker').heard(Marker())",
+        "AttributeError: 'Talker' object has no attribute 'scale'",
+        "did you mean `message.scale`? It is a field of the message.",
+    ),
+    (
+        "class Talker(Node):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('talker')\n"
+        "        self.timer_of = {}\n"
+        "    def value(self, key):\n"
+        "        return key\n"
+        "Talker().values('rate')",
+        "AttributeError: 'Talker' object has no attribute 'values'",
+        "did you mean `value`?",
+    ),
 ]

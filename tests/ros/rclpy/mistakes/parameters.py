@@ -146,4 +146,9 @@ PARAMETERS = [
         "TypeError: float() argument must be a string or a real number, not 'Parameter'",
         "the period is a parameter: read its value, `self.get_parameter('a_name').value`.",
     ),
+    (
+        "print(node.declare_parameter('speed', 1.0).value())",
+        "TypeError: 'float' object is not callable",
+        ".value is a value and not a function: leave out its ( ).",
+    ),
 ]

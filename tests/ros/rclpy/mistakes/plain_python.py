@@ -443,4 +443,67 @@ PLAIN_PYTHON = [
         "a file name without a folder is looked up where the program was started, and in a "
         "notebook next to it: `os.listdir()` lists the files there.",
     ),
+    (
+        "import math\nmath.cosine(0.5)",
+        "AttributeError: module 'math' has no attribute 'cosine'",
+        "did you mean `cos`?",
+    ),
+    (
+        "import math\nmath.pi()",
+        "TypeError: 'float' object is not callable",
+        ".pi is a value and not a function: leave out its ( ).",
+    ),
+    (
+        "name = '1.5'\nprint(f'{name:.2f}')",
+        "ValueError: Unknown format code 'f' for object of type 'str'",
+        "this is a string, and .2f is for numbers: convert it first, as in `f\"{float('1.5'):.2f}\"`.",
+    ),
+    (
+        "print(f'{[1.0]:.2f}')",
+        "TypeError: unsupported format string passed to list.__format__",
+        "a format like .2f is for one number, and this is of type list: format each of its numbers.",
+    ),
+    (
+        "facts = {rate: 25.0}",
+        "NameError: name 'rate' is not defined",
+        "a key of a dictionary is a string, in quotes: 'rate'.",
+    ),
+    (
+        "exec(\"facts = {'rate' = 25.0}\")",
+        "SyntaxError: cannot assign to literal here. Maybe you meant '==' instead of '='?",
+        "in a dictionary a key is followed by a colon: 'rate': ….",
+    ),
+    (
+        "exec(\"facts = {'rate': 25,0, 'width': 64}\")",
+        "SyntaxError: ':' expected after dictionary key",
+        "a decimal number has a point, 0.5. With a comma, as in 25,0, these are two numbers.",
+    ),
+    (
+        "exec('print(f\"{name\")')",
+        "SyntaxError: f-string: expecting '}'",
+        "a { in the f-string has no }: close it behind the name, as in `f'{3.14159:.2f}'`.",
+    ),
+    (
+        "exec('from my-package import Robot')",
+        "SyntaxError: invalid syntax",
+        "a name cannot contain a minus: write my_package. A package with a minus in its "
+        "name cannot be imported.",
+    ),
+    (
+        "axes = {'x': 0, 'y': 1}\ndef turned(axis, angle):\n    return axes[axis]\nturned(0.5, 'x')",
+        "KeyError: 0.5",
+        "turned(…) gets axis = 0.5 in line 4: are its values right, and in order?",
+    ),
+    (
+        "def half(number):\n"
+        "    try:\n"
+        "        result = 1.0 / number\n"
+        "    except ZeroDivisionError:\n"
+        "        print('no number')\n"
+        "    return result\n"
+        "half(0.0)",
+        "UnboundLocalError: cannot access local variable 'result' where it is not associated with a value",
+        'the line that sets result raised an error, and after "except ZeroDivisionError:" '
+        "the function goes on without a value: end the except with return.",
+    ),
 ]

@@ -301,7 +301,7 @@ SEQUENCES = [
     (
         "[1.0].sort()[:2]",
         "TypeError: 'NoneType' object is not subscriptable",
-        "this is None: does the function or method before [ ] return something? list.sort() does not.",
+        "sort(…) changes its object and returns None: call it on a line of its own, then use the object.",
     ),
     (
         "scan = [1.0] * 10\nscan[len(scan) / 2]",
@@ -531,5 +531,31 @@ SEQUENCES = [
         "GRAY = 'gray'\nr, g, b = GRAY",
         "ValueError: too many values to unpack (expected 3)",
         "the right side is the string 'gray', of which each letter is a value: write numbers.",
+    ),
+    (
+        "import numpy as np\nnp.concatenate([1.0, 2.0], 1.0)",
+        "TypeError: 'float' object cannot be interpreted as an integer",
+        "concatenate takes the arrays in one list: `np.concatenate([[1.0], [2.0]])`.",
+    ),
+    (
+        "import numpy as np\ntip = [1.0, 2.0, 3.0]\nnp.eye(4) @ tip.append(1.0)",
+        "ValueError: matmul: Input operand 1 does not have enough dimensions (has 0, "
+        "gufunc core with signature (n?,k),(k,m?)->(n?,m?) requires 1)",
+        "append(…) changes its object and returns None: call it on a line of its own, then use the object.",
+    ),
+    (
+        "poses, most = [1.0], 5\n[*poses, 2.0][-most]",
+        "IndexError: list index out of range",
+        "[-most] selects one item. The last most items are [-most:], with a colon.",
+    ),
+    (
+        "import numpy as np\nnp.cross([1.0, 2.0, 3.0], 4.0)",
+        "ValueError: At least one array has zero dimension",
+        "a cross product takes two vectors of three numbers, and one value is a single number: print both.",
+    ),
+    (
+        "poses = [1.0]\nposes = poses.append(2.0)[-5:]",
+        "TypeError: 'NoneType' object is not subscriptable",
+        "append(…) changes its object and returns None: call it on a line of its own, then use the object.",
     ),
 ]

@@ -75,7 +75,7 @@ TOPICS = [
     (
         "node.create_publisher(String, 'chatter', -1)",
         "ValueError: history depth must be greater than or equal to zero",
-        "",
+        "the depth is the number of messages to keep: 1 or more, like 10.",
     ),
     (
         "node.create_publisher('std_msgs/msg/String', 'chatter', 10)",
@@ -130,7 +130,7 @@ TOPICS = [
     (
         "QoSProfile(dept=10)",
         "AssertionError: Invalid arguments passed to constructor: dict_keys(['dept'])",
-        "the arguments of a QoSProfile are depth, reliability, ...",
+        "did you mean `depth`?",
     ),
     (
         "best = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)\n"
@@ -216,5 +216,11 @@ TOPICS = [
         "node.create_subscription(String, 'x', print, QoSPresetProfiles.SENSOR_DATA)",
         "TypeError: Expected QoSProfile or int, but received <enum 'QoSPresetProfiles'>",
         "the profile of a preset is its value: `QoSPresetProfiles.SENSOR_DATA.value`.",
+    ),
+    (
+        "QoSProfile(depth=10, speed=1)",
+        "AssertionError: Invalid arguments passed to constructor: dict_keys(['depth', 'speed'])",
+        "a QoSProfile has history, depth, reliability, durability, lifespan, deadline, "
+        "liveliness, liveliness_lease_duration and avoid_ros_namespace_conventions.",
     ),
 ]
