@@ -744,7 +744,7 @@ def keyword_argument_hint(error: BaseException) -> str:
 
 
 # The arguments of a QoSProfile.
-_OF_PROFILE = ("history", "depth", "reliability", "durability", "lifespan", "deadline")
+_OF_PROFILE: tuple[str, ...] = ("history", "depth", "reliability", "durability", "lifespan", "deadline")
 _OF_PROFILE += ("liveliness", "liveliness_lease_duration", "avoid_ros_namespace_conventions")
 
 
