@@ -18,6 +18,8 @@ _TRUE = {"Y", "y", "yes", "Yes", "YES", "true", "True", "TRUE", "on", "On", "ON"
 _FALSE = {"N", "n", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF"}
 _INTEGER = re.compile(r"[+-]?(0[xX][0-9a-fA-F]+|\d+)")
 _STRING = "tag:yaml.org,2002:str"
+# rcl uses libyaml, too, which accepts a tab before a comment.
+_LOADER = getattr(yaml, "CLoader", yaml.Loader)
 _RESOLVER = yaml.resolver.Resolver()
 _TYPE_NAMES = {bool: "bool", int: "integer", float: "double", str: "string"}
 
@@ -56,16 +58,18 @@ def read_value(text: str) -> Any:
 def _documents(text: str) -> list[Any]:
     try:
         depth = 0
-        for event in yaml.parse(text):
+        for event in yaml.parse(text, Loader=_LOADER):
             depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
             if depth > DEEPEST:
                 raise ValueError(f"It is nested too deeply at line {event.start_mark.line + 1}")
             if isinstance(event, yaml.AliasEvent):
                 raise ValueError(f"Will not support aliasing at line {event.start_mark.line + 1}")
-        return list(yaml.compose_all(text))
+        return list(yaml.compose_all(text, Loader=_LOADER))
     except yaml.YAMLError as error:
         line = getattr(getattr(error, "problem_mark", None), "line", 0) + 1
         problem = getattr(error, "problem", None) or "not YAML"
+        if re.match(" *\t", "".join(text.splitlines()[line - 1 : line])):
+            problem = "found character '\\t' that cannot start any token"
         raise ValueError(f"Error parsing a event near line {line}: {problem}") from error
 
 
@@ -76,9 +80,15 @@ def _nodes(mapping: Any, path: str) -> Iterator[tuple[str, dict[str, Any]]]:
         raise ValueError(f"Cannot have a value before {PARAMETERS} at line {line}")
     for key, value in mapping.value:
         if key.value != PARAMETERS:
-            yield from _nodes(value, f"{path}/{str(key.value).strip('/')}")
+            name = str(key.value)
+            is_separated = path.endswith("/") or (not path and name.startswith("/"))
+            yield from _nodes(value, f"{path}{name}" if is_separated else f"{path}/{name}")
         elif not path:
             raise ValueError(f"There are no node names before {PARAMETERS} at line {key.start_mark.line + 1}")
+        elif path.endswith("/"):
+            raise ValueError("node name must not be empty")
+        elif "//" in path:
+            raise ValueError(f"{path[: path.rindex('/') + 1]} contains repeated forward slash")
         elif re.search(r"[^\w/*]|\w\*|\*\w", path, re.ASCII):
             raise ValueError("node name must not contain characters other than alphanumerics or '_'")
         else:

@@ -35,6 +35,29 @@ def empty_list_in_a_file_of_parameters() -> list[str]:
     return [declared, outcome(lambda: node.get_parameter("names").value), more]
 
 
+NAMES = ("n", "/n", "//n", "n/", "/n/", "ns/n", "ns//n", "/**", "**/n", "/ns/n/")
+INNER = (("ns", "n"), ("/ns", "n"), ("/ns/", "n"), ("/ns", "/n"), ("ns", "/n"), ("/", "n"), ("/ns", "/**"))
+
+
+@probe
+def slashes_and_tabs_in_a_file_of_parameters() -> dict[str, str]:
+    parameters = "ros__parameters:\n    a: 1\n"
+    texts = {name: f"{name}:\n  {parameters}" for name in NAMES}
+    texts |= {f"{ns} {name}": f"{ns}:\n {name}:\n  {parameters}" for ns, name in INNER}
+    texts["tabs"] = "n:\n  ros__parameters:\t\n    a: 1\t# one\n    b:\t2\n"
+    return {name: outcome(_values, text).partition(":")[0] for name, text in texts.items()}
+
+
+def _values(text: str) -> list[list[str]]:
+    with NamedTemporaryFile("w", suffix=".yaml") as file:
+        file.write(text)
+        file.flush()
+        options = {"automatically_declare_parameters_from_overrides": True}
+        words = ["--ros-args", "--params-file", file.name]
+        nodes = [Node("n", namespace=ns, cli_args=words, **options) for ns in (None, "ns")]
+    return [[name for name in ("a", "b") if node.has_parameter(name)] for node in nodes]
+
+
 @probe
 def parts_of_services() -> list[str]:
     from std_srvs.srv import SetBool, SetBool_Request, SetBool_Response

@@ -231,6 +231,8 @@ def test_log_level_is_set_for_all_loggers_or_for_one(graph: Graph) -> None:
         ("camera:\n  ros__parameters:\n  rate: 5.0\n", "line 2 has no value, or wrong indentation"),
         ("camera:\n  ros__parameters:\n    rate:5.0\n", "line 3 has no value, or wrong indentation"),
         ("camera:\n\tros__parameters:\n", "indent the file with spaces: YAML has no tabs"),
+        ("/front:\n  /camera:\n    ros__parameters:\n", "write only one slash between a namespace and the"),
+        ("camera/:\n  ros__parameters:\n", "the name of a node in the file ends without a slash"),
         ("camera:\n  ros__parameters:\n    size: [1, 2.0]\n", "all values of a list are of one type"),
         (None, "is the name of the file right?"),
     ],
