@@ -2,6 +2,7 @@
 """Command lines of nodes, and names of services' parts."""
 
 from tempfile import NamedTemporaryFile
+from typing import Any
 
 from probing import main, outcome, probe
 from rclpy.node import Node
@@ -52,7 +53,7 @@ def _values(text: str) -> list[list[str]]:
     with NamedTemporaryFile("w", suffix=".yaml") as file:
         file.write(text)
         file.flush()
-        options = {"automatically_declare_parameters_from_overrides": True}
+        options: Any = {"automatically_declare_parameters_from_overrides": True}
         words = ["--ros-args", "--params-file", file.name]
         nodes = [Node("n", namespace=ns, cli_args=words, **options) for ns in (None, "ns")]
     return [[name for name in ("a", "b") if node.has_parameter(name)] for node in nodes]
