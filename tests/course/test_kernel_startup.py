@@ -58,7 +58,7 @@ def test_magic_before_the_first_cell_has_a_hint(shown: list[str]) -> None:
     assert HINT in shown[1]
 
 
-def test_resume_that_was_not_imported_names_the_import(shown: list[str]) -> None:
+def test_missing_import_of_resume_is_reported_with_the_import_line(shown: list[str]) -> None:
     assert "hint: write `from course_lib import resume` above it and run this cell again." in shown[2]
 
 

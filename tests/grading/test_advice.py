@@ -259,7 +259,7 @@ def test_return_in_a_loop_is_reported_before_the_missing_return_value() -> None:
     assert missing_return_hint(TASK, evidence, source) == []
 
 
-def test_hint_names_the_missing_node_whose_parameters_are_set() -> None:
+def test_hint_states_the_missing_node_whose_parameters_are_set() -> None:
     output = "At 3.00 s: Node not found: /lamp\n"
     source = 'class Lamp(Node):\n    def __init__(self):\n        super().__init__("lamp_node")'
     (line,) = missing_node_hint([Evidence("week01.half", "public", 5.0, output=output)], source)

@@ -151,9 +151,7 @@ def test_failed_and_unchecked_tasks_are_reported(
     ]
 
 
-def test_commands_in_warnings_name_the_notebook_as_it_is_typed(
-    write: Callable[..., Path], folder: Path
-) -> None:
+def test_commands_in_warnings_contain_the_typed_name(write: Callable[..., Path], folder: Path) -> None:
     (folder / "old work").mkdir()
     path = write().rename(folder / "old work/week01_exercise.ipynb")
     text = submit(path).text()

@@ -32,7 +32,7 @@ def caught(body: str) -> CaughtErrors:
         ("import contextlib\nwith contextlib.suppress(Exception):\n    marker", "with contextlib.suppress("),
     ],
 )
-def test_mistake_hidden_by_a_handler_of_every_error_is_reported(body: str, head: str) -> None:
+def test_mistake_hidden_by_a_catch_all_handler_is_reported(body: str, head: str) -> None:
     text = caught(body).mistake
     assert text.startswith(f'"{head}')
     assert "hides this error: NameError: name 'marker' is not defined (line " in text
@@ -45,7 +45,7 @@ def test_mistake_hidden_by_a_handler_of_every_error_is_reported(body: str, head:
         "for _ in iter([]):\n    pass",
     ],
 )
-def test_error_that_no_handler_of_every_error_catches_is_not_a_mistake(body: str) -> None:
+def test_error_not_caught_by_a_catch_all_handler_is_not_a_mistake(body: str) -> None:
     assert caught(body).mistake == ""
 
 

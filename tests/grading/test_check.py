@@ -105,7 +105,7 @@ def test_next_steps_follow_the_order_of_the_tasks(exercise: Path) -> None:
     assert f"course submit {exercise.name}" in steps[-1]
 
 
-def test_next_step_leaves_out_passed_tasks_and_names_earlier_ones_that_are_open() -> None:
+def test_next_step_omits_passed_tasks_and_lists_earlier_open_tasks() -> None:
     catalog, state = shipped_catalog(), student_state()
     tasks = catalog.tasks_of_week("week02")
     for number in (1, 3, 4):

@@ -456,15 +456,13 @@ def test_callback_that_is_a_generator_is_reported() -> None:
         (("except TransformException:", "return"), False),
     ],
 )
-def test_handler_of_every_error_that_does_nothing_is_reported(
-    handler: tuple[str, str], is_hiding: bool
-) -> None:
+def test_empty_catch_all_handler_is_reported(handler: tuple[str, str], is_hiding: bool) -> None:
     head, body = handler
     sentence = find_hidden_error(method("try:", "    self.paint()", head, f"    {body}"))
     assert sentence.startswith(f'"{head}" also hides your own errors') == is_hiding
 
 
-def test_broadcaster_created_in_a_callback_is_accepted_as_it_sends() -> None:
+def test_broadcaster_created_and_used_in_a_callback_is_accepted() -> None:
     lines = ("self.broadcaster = TransformBroadcaster(self)", "self.broadcaster.sendTransform(transform)")
     assert find_slip(method(*lines).replace("self.angle = 0.0", "self.create_timer(1.0, self.tick)")) == ""
 
@@ -524,7 +522,7 @@ def test_list_that_grows_with_each_call_of_a_callback_is_reported(line: str) -> 
         ("", ("found = self.MARKERS", "found = []", "found.extend(items)"), ""),
     ],
 )
-def test_list_that_gets_several_items_in_each_call_is_certain_to_grow(
+def test_list_extended_by_several_items_in_each_call_is_reported_as_certain(
     before: str, lines: tuple[str, ...], items: str
 ) -> None:
     creation = "self.marker = Marker(id=1); self.create_timer(1.0, self.tick)"

@@ -229,7 +229,7 @@ _NOT_FOUND = "\nERROR: No matching distribution found for numpy>=2"
         ("", "cannot .* The cause: exit code 1"),
     ],
 )
-def test_failure_of_pip_is_an_error_with_the_cause_and_what_to_do(
+def test_pip_failure_is_reported_with_the_cause_and_the_next_step(
     lines: str, error: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail(command: list[str], **settings: object) -> subprocess.CompletedProcess[str]:
@@ -240,7 +240,7 @@ def test_failure_of_pip_is_an_error_with_the_cause_and_what_to_do(
         environment._create(tmp_path / "folder", 0)
 
 
-def test_failure_of_venv_names_the_package_that_is_missing(
+def test_venv_failure_is_reported_with_the_missing_package(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail(command: list[str], **settings: object) -> subprocess.CompletedProcess[str]:

@@ -257,7 +257,7 @@ def test_unfinished_exercise_fails_without_a_run() -> None:
     assert "pass on the real ROS 2" not in done.stdout
 
 
-def test_program_is_not_blamed_for_the_end_of_its_time(tmp_path: Path) -> None:
+def test_end_of_the_run_time_is_not_an_error_of_the_program(tmp_path: Path) -> None:
     program = tmp_path / "spin.py"
     program.write_text("import rclpy\nrclpy.init()\nrclpy.spin(rclpy.create_node('waits'))\n")
     done = _course("run", program, "--ros", "--seconds", "1")

@@ -163,7 +163,7 @@ def test_truncated_single_file_is_read_with_a_warning(
         ("rosbag2_bagfile_information: {relative_file_paths: [recording.mcap]}", "is malformed"),
     ],
 )
-def test_warning_about_malformed_metadata_names_the_file_and_the_next_step(
+def test_warning_about_malformed_metadata_states_the_file_and_the_next_step(
     text: str, damage: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     bag = tmp_path / "bag"
@@ -182,7 +182,7 @@ _AGAIN = "copy the bag again from where it was recorded, or record it again."
 
 
 @pytest.mark.parametrize("first", [20, 60, 1000, 3000, 6000])
-def test_warning_about_changed_bytes_does_not_quote_the_reader(
+def test_warning_about_corrupt_bytes_omits_the_text_of_the_mcap_reader(
     first: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = write(make_recording(60), tmp_path / "bag", StoragePlugin.MCAP)

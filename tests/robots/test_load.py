@@ -177,7 +177,7 @@ def test_error_about_a_description_without_links_suggests_the_including_file(tmp
         load_robot(path)
 
 
-def test_truncated_description_is_not_said_to_have_no_links(tmp_path: Path) -> None:
+def test_truncated_description_is_not_reported_as_having_no_links(tmp_path: Path) -> None:
     path = tmp_path / "arm.urdf"
     path.write_text('<robot name="arm">\n  <material name="red">')
     with pytest.raises(CourseError, match="is not XML: no element found") as error:

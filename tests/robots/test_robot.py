@@ -13,7 +13,7 @@ def test_robot_has_links_and_joints() -> None:
     assert [joint.child for joint in tree.joints.values()] == ["upper", "fore", "tip"]
 
 
-def test_missing_system_library_error_names_the_library_and_its_package(
+def test_missing_system_library_error_states_the_library_and_its_package(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     text = "libgomp.so.1: cannot open shared object file: No such file or directory"

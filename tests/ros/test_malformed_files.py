@@ -105,7 +105,7 @@ MACRO = '<xacro:macro name="leg" params="name x"><link name="${name}"/></xacro:m
         ('<link name="a">', "<link> of line 2 is still open where </robot> comes: end it"),
     ],
 )
-def test_xacro_error_says_what_to_change(write: Write, body: str, advice: str) -> None:
+def test_xacro_error_states_the_correction(write: Write, body: str, advice: str) -> None:
     with pytest.raises(CourseError) as error:
         load_robot(write("r.xacro", f"{XACRO}\n{body}</robot>"))
     assert advice in str(error.value).splitlines()[-1]
@@ -188,7 +188,7 @@ ARM = (
         ('<link name="base"/>', '<?xml version="1.0"?>', "Nothing may be above <?xml …?>"),
     ],
 )
-def test_error_of_a_urdf_says_what_to_change(old: str, new: str, advice: str) -> None:
+def test_urdf_error_states_the_correction(old: str, new: str, advice: str) -> None:
     with pytest.raises(CourseError) as error:
         parse_urdf(f'<robot name="r">\n{ARM.replace(old, new)}</robot>')
     assert advice in str(error.value)
@@ -209,7 +209,7 @@ def test_path_in_place_of_the_text_of_a_urdf_is_recognized() -> None:
         parse_urdf("arm.urdf")
 
 
-def test_link_with_two_parents_is_named() -> None:
+def test_link_with_two_parents_is_reported_with_its_name() -> None:
     second = '<joint name="k" type="fixed"><parent link="base"/><child link="arm"/></joint>'
     with pytest.raises(CourseError, match="'arm' is the child of j and k"):
         parse_urdf(f'<robot name="r">{ARM}{second}</robot>')

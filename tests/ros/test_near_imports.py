@@ -69,7 +69,7 @@ def test_unknown_name_without_a_similar_one_has_no_hint(code: str) -> None:
 
 @pytest.mark.parametrize("file", ["this.py", "this/__init__.py"])
 @pytest.mark.parametrize("code", ["from this import zen", "import this; this.zen", "import this.zen"])
-def test_hint_names_the_file_that_hides_a_library_module(
+def test_hint_states_the_file_that_hides_a_library_module(
     file: str, code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / file).parent.mkdir(exist_ok=True)

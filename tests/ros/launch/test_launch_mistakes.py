@@ -158,7 +158,7 @@ def test_missing_layout_of_rviz_does_not_end_the_launch(
     assert "[ERROR] [rviz2]: There is no layout /nowhere/a.rviz." in capsys.readouterr().out
 
 
-def test_namespace_of_a_group_as_in_ros_1_names_the_element_of_ros_2(
+def test_ros_1_namespace_of_a_group_is_reported_with_the_element_of_ros_2(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "robot.launch.xml"

@@ -155,7 +155,7 @@ def test_asyncio_of_one_of_two_programs_is_interrupted(
     assert capfd.readouterr().out.split() == ["KeyboardInterrupt", "False", "RCLError", "left"]
 
 
-def test_folder_that_a_program_writes_keeps_rclpys_handler_of_sigterm(
+def test_writing_a_folder_keeps_the_sigterm_handler_of_rclpy(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     program = """

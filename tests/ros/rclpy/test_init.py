@@ -59,7 +59,7 @@ def test_init_in_a_with_statement_shuts_down_at_the_end(graph: Graph) -> None:
     assert not context.ok()
 
 
-def test_shutdown_does_not_call_a_method_of_an_object_that_is_gone(started_graph: Graph) -> None:
+def test_shutdown_skips_callbacks_of_deleted_objects(started_graph: Graph) -> None:
     called: list[str] = []
 
     class Camera:

@@ -219,7 +219,7 @@ def test_on_set_callback_can_reject_the_change_atomically(node: Node) -> None:
     assert [p.value for p in node.get_parameters(["a", "b"])] == [1, 1]
 
 
-def test_warning_about_the_result_of_a_callback_names_the_line_of_the_callback(node: Node) -> None:
+def test_warning_about_the_result_of_a_callback_states_the_line_of_the_callback(node: Node) -> None:
     def forgets_to_return(parameters: list[Parameter]) -> None:
         pass
 

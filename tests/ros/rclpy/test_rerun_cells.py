@@ -184,7 +184,7 @@ def test_hint_follows_the_order_of_the_cells(cells: tuple[str, ...], expected: s
     assert hint_of(*cells).startswith(expected)
 
 
-def test_spin_of_a_node_that_has_left_has_a_hint(notebook: Graph, capsys: Captured) -> None:
+def test_spin_of_a_destroyed_node_has_a_hint(notebook: Graph, capsys: Captured) -> None:
     rclpy.init()
     old = Node("talker")
     Node("talker")

@@ -265,7 +265,7 @@ def test_service_is_called_over_the_link(kits: Kits) -> None:
     kits.until(lambda: "rq/resetRequest" in topics(robot, "pub"), "the client in the robot's list")
 
 
-def test_blocked_parts_of_an_action_name_the_option_that_allows_the_action() -> None:
+def test_blocked_parts_of_an_action_are_reported_with_the_option_that_allows_it() -> None:
     lines: list[str] = []
     blocked = BlockedTraffic(lines.append)
     blocked.add("/arm/fib/_action/send_goal", "--call")

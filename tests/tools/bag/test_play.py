@@ -167,6 +167,6 @@ def test_start_paused_waits_for_the_time_panel(
     assert texts(received_messages) == "0"
 
 
-def test_play_without_a_program_names_the_command_that_has_one() -> None:
+def test_play_without_a_program_prints_the_command_that_runs_one() -> None:
     with pytest.raises(CourseError, match=r"course bag play my_bag --run program\.py"):
         ros2_over(["bag", "play", "my_bag", "--rate", "2"], files=[], bag=None, seconds=1.0)
