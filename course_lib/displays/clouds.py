@@ -620,8 +620,23 @@ def depths(message: Any) -> Float32s:
     Raises:
         DepthError: The image has no depths.
     """
+    values: AnyArray
     if hasattr(message, "format"):
-        values = _decode_depth_png(message)
+        from PIL import Image, UnidentifiedImageError
+
+        data = bytes(message.data)
+        try:
+            with Image.open(
+                BytesIO(data[_HEADER if "compressedDepth" in message.format else 0 :])
+            ) as picture:
+                values = np.asarray(picture)
+        except (UnidentifiedImageError, OSError, Image.DecompressionBombError) as error:
+            raise DepthError(f"the data is not an image of format {message.format!r}: {error}") from error
+        if message.format.startswith("32FC1"):
+            # The PNG of this format contains inverse depths.
+            a, b = np.frombuffer(data, "<f4", 2, 4)
+            with np.errstate(divide="ignore"):
+                values = np.where(values == 0, np.nan, a / (values - b))
     elif message.encoding in (*_MILLIMETER_ENCODINGS, "32FC1"):
         values = rows_of(message, "u2" if message.encoding in _MILLIMETER_ENCODINGS else "f4", 1)[..., 0]
     else:
@@ -708,24 +723,6 @@ class Shadows:
             np.concatenate([points.reshape(-1, 3), hidden_points]),
             np.concatenate([rgb.reshape(-1, 3), hidden_rgb]),
         )
-
-
-def _decode_depth_png(message: Any) -> AnyArray:
-    """Decode the values in a PNG. The format compressedDepth may contain inverse depths."""
-    from PIL import Image, UnidentifiedImageError
-
-    data = bytes(message.data)
-    is_inverse = message.format.startswith("32FC1")
-    try:
-        with Image.open(BytesIO(data[_HEADER if "compressedDepth" in message.format else 0 :])) as picture:
-            values = np.asarray(picture)
-    except (UnidentifiedImageError, OSError, Image.DecompressionBombError) as error:
-        raise DepthError(f"the data is not an image of format {message.format!r}: {error}") from error
-    if not is_inverse:
-        return values
-    a, b = np.frombuffer(data, "<f4", 2, 4)
-    with np.errstate(divide="ignore"):
-        return np.where(values == 0, np.nan, a / (values - b))
 
 
 class DepthCloudDisplay(CloudDisplay):

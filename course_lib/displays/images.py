@@ -363,25 +363,16 @@ class CameraDisplay(PictureDisplay):
         )
         # Pixels need not be square.
         aspect = width / height * p[5] / p[0]
-        area = self._image_area(width, height)
+        # The part of the picture that the image covers, like a region of interest.
+        roi, zoom = self._info.roi, self["Zoom Factor"]
+        left, top, wide, high = 0.0, 0.0, 1.0, 1.0
+        if roi.width or roi.height:
+            left, top, wide, high = (
+                roi.x_offset / width, roi.y_offset / height, roi.width / width, roi.height / height
+            )  # fmt: skip
+        area = 0.5 + zoom * (left - 0.5), 0.5 + zoom * (top - 0.5), zoom * wide, zoom * high
         inset = Inset(pixels, aspect, camera, rendering != _OVER, over, hidden_paths, area)
         self.context.scene.set_object(f"{self.path}/picture", inset)
-
-    def _image_area(self, columns: int, rows: int) -> tuple[float, float, float, float]:
-        """Return the part of the picture that the image covers, like a region of interest.
-
-        Args:
-            columns: Width of the whole image, without a region of interest.
-            rows: Height of the whole image.
-        """
-        roi, zoom = self._info.roi, self["Zoom Factor"]
-        if not (roi.width or roi.height):
-            left, top, width, height = 0.0, 0.0, 1.0, 1.0
-        else:
-            left, top, width, height = (
-                roi.x_offset / columns, roi.y_offset / rows, roi.width / columns, roi.height / rows
-            )  # fmt: skip
-        return 0.5 + zoom * (left - 0.5), 0.5 + zoom * (top - 0.5), zoom * width, zoom * height
 
     def _on_info(self, message: Any) -> None:
         self._info = message

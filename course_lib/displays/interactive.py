@@ -207,27 +207,23 @@ class MarkerClient:
             headers.append(item.header)
             controls = getattr(item, "controls", ())
             headers += [m.header for control in controls for m in control.markers if m.header.frame_id]
+        frames = self._context.frames
         for header in headers:
-            error = self._problem(header)
-            if error:
-                return error, False
-            waits = waits or error is None
+            frame, stamp_ns = header.frame_id.removeprefix("/"), nanoseconds(header.stamp)
+            if frame == frames.fixed_frame or frames.transform(frame, stamp_ns) is not None:
+                continue
+            if frames.transform(frame) is None:
+                error = frames.buffer.can_transform(frames.fixed_frame, frame, stamp_ns)
+                if error:
+                    return error, False
+            elif frames.buffer.lookup(frames.fixed_frame, frame).stamp_ns <= stamp_ns:
+                waits = True
+            else:
+                return (
+                    "The message contains an old timestamp and cannot be transformed "
+                    f"('{header.frame_id}' to '{frames.fixed_frame}' at time {stamp_ns / NS:f})."
+                ), False
         return "", waits
-
-    def _problem(self, header: motion.Message) -> str | None:
-        """Return "" if a header's transform is known, an error, or None if it may become known."""
-        frames, frame = self._context.frames, header.frame_id.removeprefix("/")
-        stamp_ns = nanoseconds(header.stamp)
-        if frame == frames.fixed_frame or frames.transform(frame, stamp_ns) is not None:
-            return ""
-        if frames.transform(frame) is None:
-            return frames.buffer.can_transform(frames.fixed_frame, frame, stamp_ns) or ""
-        if frames.buffer.lookup(frames.fixed_frame, frame).stamp_ns <= stamp_ns:
-            return None
-        return (
-            f"The message contains an old timestamp and cannot be transformed ('{header.frame_id}' "
-            f"to '{frames.fixed_frame}' at time {stamp_ns / NS:f})."
-        )
 
 
 POSE_UPDATE, MENU_SELECT, BUTTON_CLICK, MOUSE_DOWN, MOUSE_UP = range(1, 6)

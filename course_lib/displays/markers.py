@@ -212,8 +212,23 @@ def mesh(marker: Any) -> MarkerDrawing:
         loaded = load_mesh(resolve(uri))
     except CourseError:
         return rejected_drawing(f"Mesh resource marker [{label(marker)}] could not load [{uri}]")
-    color, scale = rgba(marker.color), scale_of(marker)
-    colors = _mesh_colors(marker, loaded) if marker.mesh_use_embedded_materials else color
+    colors, scale = rgba(marker.color), scale_of(marker)
+    if marker.mesh_use_embedded_materials:
+        # The color of the marker tints the mesh's own materials. RViz draws each material with the
+        # alpha of the marker, and the tint above it with half of its strength at most. Without any
+        # color there is no tint, and the mesh is opaque.
+        tint, is_tinted = rgba(marker.color), rgba(marker.color).any()
+        alpha = tint[3] if is_tinted else 1.0
+        strength = min(alpha, 0.5) if is_tinted else 0.0
+        if _is_stl(marker):
+            # STL has no materials, so only the tint is drawn: black without any color.
+            colors = np.array([*tint[:3], 1.0 if alpha >= OPAQUE_FROM else strength])
+        else:
+            opacity = 1 - (1 - alpha) * (1 - strength)
+            colors = loaded.colors.astype(float)
+            colors[..., :3] = (1 - strength) * alpha * colors[..., :3] + strength * tint[:3]
+            colors[..., :3] /= opacity or 1.0
+            colors[..., 3] = opacity
     # Nonuniform scaling changes normals.
     normals = loaded.normals if scale.min() == scale.max() > 0 else None
     return MarkerDrawing({"mesh": Mesh(loaded.vertices * scale, loaded.faces, colors, normals)})
@@ -221,26 +236,6 @@ def mesh(marker: Any) -> MarkerDrawing:
 
 def _is_stl(marker: Any) -> bool:
     return bool(marker.type == _MESH and marker.mesh_resource.lower().endswith(".stl"))
-
-
-def _mesh_colors(marker: Any, loaded: Mesh) -> Floats:
-    """Return the colors of a mesh with its own materials, which the color of the marker tints.
-
-    RViz draws each material with the alpha of the marker, and the tint above it with half of its
-    strength at most. Without any color there is no tint, and the mesh is opaque.
-    """
-    tint, is_tinted = rgba(marker.color), rgba(marker.color).any()
-    alpha = tint[3] if is_tinted else 1.0
-    strength = min(alpha, 0.5) if is_tinted else 0.0
-    # STL has no materials, so only the tint is drawn: black without any color.
-    if _is_stl(marker):
-        return np.array([*tint[:3], 1.0 if alpha >= OPAQUE_FROM else strength])
-    opacity = 1 - (1 - alpha) * (1 - strength)
-    colors = loaded.colors.astype(float)
-    colors[..., :3] = (1 - strength) * alpha * colors[..., :3] + strength * tint[:3]
-    colors[..., :3] /= opacity or 1.0
-    colors[..., 3] = opacity
-    return colors
 
 
 def triangles(marker: Any) -> MarkerDrawing:

@@ -422,28 +422,29 @@ class RobotModelDisplay(TopicDisplay):
         state = self.context.is_seen, dict(self._values)
         is_changed, self._shown_state = state != self._shown_state, state
         with cache_package_searches():
-            self._update_links(is_changed)
+            for link in self._links:
+                frames, frame = self.context.frames, self._frame_of(link.name)
+                transform = frames.transform(frame)
+                if transform is None:
+                    self.statuses.set(
+                        "error", frame, f"No transform from [{frame}] to [{frames.fixed_frame}]"
+                    )
+                else:
+                    self.statuses.set("ok", frame, "Transform OK")
+                    link.place(transform)
+                if not is_changed and link.is_shown_as_lost == (transform is None):
+                    continue
+                row = f"Links/{link.name}"
+                is_enabled = self[row] if link.has_geometry else True
+                visibility = {kind: is_enabled and self[label] for kind, label in _SWITCHES.items()}
+                visibility |= {
+                    kind: is_enabled and self[f"{row}/{label}"] for kind, label in _OF_LINKS.items()
+                }
+                alpha = self["Alpha"] * self[f"{row}/Alpha"]
+                link.show(LinkSettings(visibility, alpha, transform is None, self.context.is_seen))
         self._update_joints(is_changed)
         if self._problems() != before:
             self._report_problems()
-
-    def _update_links(self, is_changed: bool) -> None:
-        for link in self._links:
-            frames, frame = self.context.frames, self._frame_of(link.name)
-            transform = frames.transform(frame)
-            if transform is None:
-                self.statuses.set("error", frame, f"No transform from [{frame}] to [{frames.fixed_frame}]")
-            else:
-                self.statuses.set("ok", frame, "Transform OK")
-                link.place(transform)
-            if not is_changed and link.is_shown_as_lost == (transform is None):
-                continue
-            row = f"Links/{link.name}"
-            is_enabled = self[row] if link.has_geometry else True
-            visibility = {kind: is_enabled and self[label] for kind, label in _SWITCHES.items()}
-            visibility |= {kind: is_enabled and self[f"{row}/{label}"] for kind, label in _OF_LINKS.items()}
-            alpha = self["Alpha"] * self[f"{row}/Alpha"]
-            link.show(LinkSettings(visibility, alpha, transform is None, self.context.is_seen))
 
     def _update_joints(self, is_changed: bool) -> None:
         """Draw the requested axes of joints, which move with the parent links."""

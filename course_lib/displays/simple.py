@@ -283,25 +283,21 @@ class PathDisplay(DrawnDisplay):
             poses = [transform @ pose_matrices(numbers) for transform, numbers in paths]
             drawables |= draw_axes(np.concatenate(poses), self["Length"], self["Radius"])
         elif paths and self["Pose Style"] == "Arrows":
-            poses = [transform @ _arrow_poses(numbers) for transform, numbers in paths]
+            poses = []
+            for transform, numbers in paths:
+                # RViz points an arrow along the product of quaternion and x, even if the quaternion
+                # has another length than 1. This is a wrong direction, which this code reproduces.
+                ahead = pose_matrices(numbers, is_raw=True)[:, :3, 0]
+                x, y, z = (ahead / np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-12)).T
+                # The shortest turn from x to the direction; the opposite direction is half a turn
+                # about z.
+                turns = np.column_stack([0 * x, -z, y, 1 + x])
+                turns[x < -1 + 1e-9] = (0.0, 0.0, 1.0, 0.0)
+                poses.append(transform @ pose_matrices(np.hstack([numbers[:, :3], turns])))
             rgb = [channel / 255 for channel in self["Pose Color"]]
             sizes = (self[label] for label in _ARROW)
             drawables |= draw_arrows(np.concatenate(poses), *sizes, rgba=(*rgb, 1.0))
         return drawables
-
-
-def _arrow_poses(numbers: Floats) -> Floats:
-    """Return the transforms of a path's arrows, shape (N, 4, 4).
-
-    RViz points an arrow along the product of quaternion and x, even if the quaternion has another
-    length than 1. This is a wrong direction, which this code reproduces.
-    """
-    ahead = pose_matrices(numbers, is_raw=True)[:, :3, 0]
-    x, y, z = (ahead / np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-12)).T
-    # The shortest turn from x to the direction; the opposite direction is half a turn about z.
-    turns = np.column_stack([0 * x, -z, y, 1 + x])
-    turns[x < -1 + 1e-9] = (0.0, 0.0, 1.0, 0.0)
-    return pose_matrices(np.hstack([numbers[:, :3], turns]))
 
 
 class PolygonDisplay(DrawnDisplay):

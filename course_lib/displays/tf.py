@@ -401,7 +401,17 @@ class TfDisplay(Display):
     def _update(self, name: str) -> None:
         frames = self.context.frames
         drawn_frame, transform = self._frames[name], frames.transform(name)
-        look = Appearance(self._age(name, transform) / self["Frame Timeout"], self["Marker Scale"])
+        # The time since a frame received its transform, [s]; static transforms do not age.
+        now_ns, latest = self.context.now_ns, self._latest.get(name)
+        if latest is None or latest.transform is not transform:
+            is_known = transform is not None
+            stamp_ns = frames.buffer.lookup(frames.fixed_frame, name).stamp_ns if is_known else 0
+            same = latest is not None and latest.stamp_ns == stamp_ns
+            latest = self._latest[name] = _LatestTransform(
+                transform, stamp_ns, latest.received_ns if latest and same else now_ns
+            )
+        age = (now_ns - latest.received_ns) / NS if latest.stamp_ns else 0.0
+        look = Appearance(age / self["Frame Timeout"], self["Marker Scale"])
         if transform is None:
             self.statuses.set("warn", name, f"No transform from [{name}] to [{frames.fixed_frame}]")
         elif look.age <= 1:
@@ -433,18 +443,6 @@ class TfDisplay(Display):
                     value = partial(self._frame_value, name, label)
                     rows.append(Property(f"{row}/{label}", value, read_only, (*path, label)))
         self.grow(*rows)
-
-    def _age(self, name: str, transform: Matrix | None) -> float:
-        """Return the time since a frame received its transform, [s]; static transforms do not age."""
-        now_ns, frames, latest = self.context.now_ns, self.context.frames, self._latest.get(name)
-        if latest is None or latest.transform is not transform:
-            is_known = transform is not None
-            stamp_ns = frames.buffer.lookup(frames.fixed_frame, name).stamp_ns if is_known else 0
-            same = latest is not None and latest.stamp_ns == stamp_ns
-            latest = self._latest[name] = _LatestTransform(
-                transform, stamp_ns, latest.received_ns if latest and same else now_ns
-            )
-        return (now_ns - latest.received_ns) / NS if latest.stamp_ns else 0.0
 
     def _frame_value(self, name: str, label: str) -> Any:
         """Return a value that RViz shows below a frame; quaternions are (x, y, z, w)."""

@@ -62,7 +62,21 @@ def motion_of(twist: Floats) -> Matrix:
 
 def twist_of(motion: Matrix) -> Floats:
     """Return the logarithm of a motion, shape (4, 4): the twist of at most half a turn in one second."""
-    turn = _vector_of(motion[:3, :3])
+    rotation = motion[:3, :3]
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation.tolist()
+    sine_axis = np.array([zy - yz, xz - zx, yx - xy]) / 2
+    sine, cosine = float(np.linalg.norm(sine_axis)), (xx + yy + zz - 1) / 2
+    angle = np.arctan2(sine, cosine)
+    # The axis of the rotation times its angle [rad].
+    turn: Floats
+    if cosine > 0:
+        turn = sine_axis * (angle / sine if sine else 1.0)
+    else:
+        # Near half a turn the axis is computed from the symmetric part: (1 - cosine) axis axisᵀ +
+        # cosine I.
+        square = (rotation + rotation.T) / 2 - cosine * np.eye(3)
+        column = square[:, np.argmax(np.diag(square))]
+        turn = column / np.linalg.norm(column) * (angle if column @ sine_axis >= 0 else -angle)
     angle = float(np.linalg.norm(turn))
     if angle < _SMALL:
         along, across = 1 - angle**2 / 12, 1 / 12 + angle**2 / 720
@@ -71,23 +85,6 @@ def twist_of(motion: Matrix) -> Floats:
         across = (1 - along) / angle**2
     way = motion[:3, 3]
     return np.concatenate([along * way - cross_matrices(turn) @ way / 2 + across * (turn @ way) * turn, turn])
-
-
-def _vector_of(rotation: Matrix) -> Floats:
-    """Return the axis of a rotation, shape (3, 3), times its angle [rad]."""
-    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation.tolist()
-    sine_axis = np.array([zy - yz, xz - zx, yx - xy]) / 2
-    sine, cosine = float(np.linalg.norm(sine_axis)), (xx + yy + zz - 1) / 2
-    angle = np.arctan2(sine, cosine)
-    if cosine > 0:
-        turn: Floats = sine_axis * (angle / sine if sine else 1.0)
-        return turn
-    # Near half a turn the axis is computed from the symmetric part: (1 - cosine) axis axisᵀ +
-    # cosine I.
-    square = (rotation + rotation.T) / 2 - cosine * np.eye(3)
-    column = square[:, np.argmax(np.diag(square))]
-    axis: Floats = column / np.linalg.norm(column) * (angle if column @ sine_axis >= 0 else -angle)
-    return axis
 
 
 def twist_jacobian(twist: Floats) -> Matrix:

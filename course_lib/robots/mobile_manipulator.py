@@ -124,14 +124,6 @@ class OmniBase(Node):
         elif self._hold <= 0:
             self._speed = np.zeros(3)
         self._hold -= self._period
-        self._publish()
-        # The base rarely moves, so this saves work.
-        if self._speed.any():
-            motion = np.zeros(6)
-            motion[_PLANE] = self._speed * self._period
-            self._pose = self._pose @ motion_of(motion)
-
-    def _publish(self) -> None:
         (x, y), yaw = self._pose[:2, 3].tolist(), math.atan2(self._pose[1, 0], self._pose[0, 0])
         z, w = match_matrix_signs(np.array([[0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)]]))[
             0, 2:
@@ -146,6 +138,11 @@ class OmniBase(Node):
         pose.position.x, pose.position.y, pose.orientation.z, pose.orientation.w = x, y, z, w
         twist.linear.x, twist.linear.y, twist.angular.z = map(float, self._speed)
         self._odometry.publish(odometry)
+        # The base rarely moves, so this saves work.
+        if self._speed.any():
+            motion = np.zeros(6)
+            motion[_PLANE] = self._speed * self._period
+            self._pose = self._pose @ motion_of(motion)
 
 
 # The arm in the configuration START, in simple shapes: shape, position, rotation.
@@ -273,7 +270,15 @@ class Wall:
         """
         y, z = (np.arange(low + CELL / 2, high, CELL) for low, high in (self.y, self.z))
         painted = np.zeros((len(y), len(z)), bool)
-        for start, end in filter(len, (self._clip_to_reach(piece, reach) for piece in _segments(stripes))):
+        for begin, stop in _segments(stripes):
+            # The crossings with both limits of the reach, as fractions of the segment.
+            along, offset = stop - begin, begin[0] - self.x
+            crossings = [(side - offset) / (along[0] or 1e-12) for side in (-reach, reach)]
+            first, last = np.clip(sorted(crossings), 0.0, 1.0)
+            if first >= last:
+                continue
+            # The end points (y, z) of the part within reach.
+            start, end = (begin + first * along)[1:], (begin + last * along)[1:]
             low, high = np.minimum(start, end) - width / 2, np.maximum(start, end) + width / 2
             rows, columns = (slice(*np.searchsorted(c, (low[i], high[i]))) for i, c in enumerate((y, z)))
             cells = np.stack(np.meshgrid(y[rows], z[columns], indexing="ij"), axis=-1)
@@ -282,20 +287,6 @@ class Wall:
             gap = cells - start - portion[..., np.newaxis] * way
             painted[rows, columns] |= np.linalg.norm(gap, axis=-1) <= width / 2
         return float(painted.mean())
-
-    def _clip_to_reach(self, piece: Floats, reach: float) -> Floats:
-        """Return the end points (y, z) of the part of a segment that is within reach.
-
-        Returns:
-            Shape (2, 2), or an empty array.
-        """
-        start, way = piece[0], piece[1] - piece[0]
-        offset = start[0] - self.x
-        # The crossings with both limits of the reach, as fractions of the segment.
-        crossings = [(side - offset) / (way[0] or 1e-12) for side in (-reach, reach)]
-        first, last = np.clip(sorted(crossings), 0.0, 1.0)
-        portions = [first, last] if first < last else []
-        return np.array([(start + portion * way)[1:] for portion in portions])
 
     def marker(self) -> Marker:
         """Return a marker that draws the wall."""

@@ -364,7 +364,13 @@ class JointTrajectoryController(Node):
         state.header.stamp = now.to_msg()
         self._states.publish(state)
         if self._next_trajectory:
-            self._begin(*self._next_trajectory, now)
+            # Follow the waypoints from the current state. A start of 0 means now.
+            start, waypoints = self._next_trajectory
+            self._start_ns, self._next_trajectory = start.nanoseconds or now.nanoseconds, None
+            zero_velocity: Floats = np.zeros_like(self._joints.positions)
+            begun = (now.nanoseconds - self._start_ns) / 1e9
+            start_point = Waypoint(begun, np.vstack([self._state(), zero_velocity]))
+            self._waypoints = [start_point, *waypoints]
         seconds = (now.nanoseconds - self._start_ns) / 1e9
         if goal := self._goal:
             desired, actual = sample(self._waypoints, seconds)[:2], self._state()
@@ -384,15 +390,6 @@ class JointTrajectoryController(Node):
         command = sample(self._waypoints, seconds + self._period)[0]
         for warning in self._joints.follow(command, self._period):
             self.get_logger().warning(warning, throttle_duration_sec=1.0)
-
-    def _begin(self, start: Time, waypoints: Sequence[Waypoint], now: Time) -> None:
-        """Follow waypoints from the current state. A start of 0 means now."""
-        self._start_ns, self._next_trajectory = start.nanoseconds or now.nanoseconds, None
-        zero_velocity: Floats = np.zeros_like(self._joints.positions)
-        start_point = Waypoint(
-            (now.nanoseconds - self._start_ns) / 1e9, np.vstack([self._state(), zero_velocity])
-        )
-        self._waypoints = [start_point, *waypoints]
 
     def _state(self) -> Floats:
         return np.array([self._joints.positions, self._joints.velocities])

@@ -84,7 +84,21 @@ def find_errors(robot: ET.Element) -> Iterator[str]:
         yield "No link elements found in urdf file"
     yield from chain.from_iterable(map(_check_joint, robot.findall("joint")))
     yield from _find_duplicates("joint", joints)
-    yield from _check_ends(robot, set(links))
+    for joint in sorted(robot.findall("joint"), key=lambda joint: joint.get("name", "")):
+        name, (parent, child) = joint.get("name"), parent_and_child(joint)
+        if not parent or not child:
+            yield f"Failed to build tree: Joint [{name}] is missing a parent and/or child link specification."
+        elif child not in links:
+            yield f"Failed to build tree: child link [{child}] of joint [{name}] not found"
+        elif parent not in links:
+            yield (
+                f"Failed to build tree: parent link [{parent}] of joint [{name}] not found.  This "
+                "is not valid according to the URDF spec. Every link you refer to from a joint "
+                "needs to be explicitly defined in the robot description. To fix this problem you "
+                "can either remove "
+                f'this joint [{name}] from your urdf file, or add "<link name="{parent}" />" to your urdf '
+                "file."
+            )
     roots = sorted(set(links) - {parent_and_child(joint)[1] for joint in robot.findall("joint")})
     if not roots:
         yield "Failed to find root link: No root link found. The robot xml is not a valid tree."
@@ -159,24 +173,6 @@ def parent_and_child(joint: ET.Element) -> tuple[str, str]:
     """Return the names of a joint's parent and child; "" for a missing one."""
     parent, child = joint.find("parent"), joint.find("child")
     return "" if parent is None else parent.get("link", ""), "" if child is None else child.get("link", "")
-
-
-def _check_ends(robot: ET.Element, links: Collection[str]) -> Iterator[str]:
-    for joint in sorted(robot.findall("joint"), key=lambda joint: joint.get("name", "")):
-        name, (parent, child) = joint.get("name"), parent_and_child(joint)
-        if not parent or not child:
-            yield f"Failed to build tree: Joint [{name}] is missing a parent and/or child link specification."
-        elif child not in links:
-            yield f"Failed to build tree: child link [{child}] of joint [{name}] not found"
-        elif parent not in links:
-            yield (
-                f"Failed to build tree: parent link [{parent}] of joint [{name}] not found.  This "
-                "is not valid according to the URDF spec. Every link you refer to from a joint "
-                "needs to be explicitly defined in the robot description. To fix this problem you "
-                "can either remove "
-                f'this joint [{name}] from your urdf file, or add "<link name="{parent}" />" to your urdf '
-                "file."
-            )
 
 
 _INERTIA = ("xx", "xy", "xz", "yy", "yz", "zz")
@@ -331,8 +327,20 @@ def _link(link: ET.Element, materials: Mapping[str, Material]) -> Link:
         material_of_tag = _material(element, problems)
         if element is painted:
             material = materials.get(element.attrib["name"]) if element.get("name") else material_of_tag
-    mass = None if inertial is None else _inertial(inertial, name, problems)
-    return Link(name, visuals, collisions, material, mass, tuple(problems))
+    body = None
+    try:
+        if inertial is not None:
+            mass, inertia = inertial.find("mass"), inertial.find("inertia")
+            if mass is None:
+                raise _MalformedError("Inertial element must have a mass element")
+            if inertia is None:
+                raise _MalformedError("Inertial element must have inertia element")
+            xx, xy, xz, yy, yz, zz = (_number(f"i{axes}", inertia.attrib) for axes in _INERTIA)
+            matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+            body = Inertial(_number("value", mass.attrib), matrix, _origin(inertial))
+    except _MalformedError as error:
+        problems.append(f"Could not parse inertial element for Link [{name}]: {error}")
+    return Link(name, visuals, collisions, material, body, tuple(problems))
 
 
 def _geometries(link: ET.Element, kind: str, problems: list[str]) -> Iterator[Geometry]:
@@ -405,21 +413,6 @@ def _material(element: ET.Element, problems: list[str]) -> Material | None:
 
 
 _BLACK = Material((0.0, 0.0, 0.0, 1.0))
-
-
-def _inertial(element: ET.Element, link: str, problems: list[str]) -> Inertial | None:
-    mass, inertia = element.find("mass"), element.find("inertia")
-    try:
-        if mass is None:
-            raise _MalformedError("Inertial element must have a mass element")
-        if inertia is None:
-            raise _MalformedError("Inertial element must have inertia element")
-        xx, xy, xz, yy, yz, zz = (_number(f"i{axes}", inertia.attrib) for axes in _INERTIA)
-        matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        return Inertial(_number("value", mass.attrib), matrix, _origin(element))
-    except _MalformedError as error:
-        problems.append(f"Could not parse inertial element for Link [{link}]: {error}")
-        return None
 
 
 def _origin(element: ET.Element) -> Matrix:

@@ -85,7 +85,22 @@ def _launch(executables: Executables, source: Source, arguments: Namespace, writ
     ):
         raise CourseError(not_found_reason(launch_arguments[0]))
     if package is not None and not Path(launch_arguments[0]).is_file():
-        file, settings = _find_in_package(package.share, launch_arguments), launch_arguments[2:]
+        share = package.share
+        launch_files = (
+            path for suffix in (".py", *LAUNCH_IN_WORDS) for path in sorted(share.rglob(f"*{suffix}"))
+        )
+        # As in ROS, a launch file may have any name. Only files in a `launch` folder or named so are
+        # listed.
+        files = {path.name: path for path in launch_files}
+        name = launch_arguments[1] if len(launch_arguments) > 1 else ""
+        if name not in files:
+            names = [name for name, path in files.items() if "launch" in str(path.relative_to(share))]
+            raise CourseError(
+                f"file '{name}' was not found in the share directory of package "
+                f"'{launch_arguments[0]}' which is at '{share}'. There is: "
+                f"{', '.join(names) or 'no launch file'}."
+            )
+        file, settings = files[name], launch_arguments[2:]
     else:
         file, settings = Path(launch_arguments[0]), launch_arguments[1:]
     if not file.is_file():
@@ -96,23 +111,6 @@ def _launch(executables: Executables, source: Source, arguments: Namespace, writ
         write(arguments_of(file) + "\n")
     else:
         _start(source, LaunchProgram(file, settings, executables, is_strict=arguments.strict))
-
-
-def _find_in_package(share: Path, arguments: list[str]) -> Path:
-    launch_files = (
-        path for suffix in (".py", *LAUNCH_IN_WORDS) for path in sorted(share.rglob(f"*{suffix}"))
-    )
-    # As in ROS, a launch file may have any name. Only files in a `launch` folder or named so are
-    # listed.
-    files = {path.name: path for path in launch_files}
-    if len(arguments) > 1 and arguments[1] in files:
-        return files[arguments[1]]
-    names = [name for name, path in files.items() if "launch" in str(path.relative_to(share))]
-    file_name = arguments[1] if len(arguments) > 1 else ""
-    raise CourseError(
-        f"file '{file_name}' was not found in the share directory of package "
-        f"'{arguments[0]}' which is at '{share}'. There is: {', '.join(names) or 'no launch file'}."
-    )
 
 
 def _run(executables: Executables, source: Source, arguments: Namespace, write: Write) -> None:

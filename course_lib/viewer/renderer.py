@@ -600,7 +600,17 @@ def _fragments(
         total = (share @ weight[spans.triangle])[:, 0]
         value = (share @ values[spans.triangle])[:, 0] / total
         value[:, 0] *= 1 + triangles.farther
-        yield _shade(spans.sample, value, triangles.mask)
+        sample, color, place = spans.sample, value[:, 1:5], value[:, 5:]
+        if (mask := triangles.mask) is not None:
+            # The mask multiplies the color.
+            rows, columns = mask.shape[:2]
+            row = ((1 - place[:, 1]) * rows).astype(int).clip(0, rows - 1)
+            column = (place[:, 0] * columns).astype(int).clip(0, columns - 1)
+            ink = mask[row, column].reshape(len(row), mask.size // (rows * columns))
+            color[:, -ink.shape[1] :] *= ink / np.float32(255)
+            inked = color[:, 3] > 0.01
+            sample, value, color = sample[inked], value[inked], color[inked]
+        yield Fragments(sample, value[:, 0], color)
 
 
 def _dot_fragments(dots: Dots, camera: drawables.Camera, size: tuple[int, int]) -> Iterator[Fragments]:
@@ -626,20 +636,6 @@ def _dot_fragments(dots: Dots, camera: drawables.Camera, size: tuple[int, int]) 
             is_inside = offsets <= half[dot]
             dot, row, column = dot[is_inside], row[is_inside], column[is_inside]
         yield Fragments(row * size[0] + column, depth[dot], dots.colors[chunk[dot]])
-
-
-def _shade(sample: Indices, value: Float32s, mask: Bytes | None) -> Fragments:
-    """Split interpolated values into depth and color, and multiply the color by the mask."""
-    depth, color, place = value[:, 0], value[:, 1:5], value[:, 5:]
-    if mask is None:
-        return Fragments(sample, depth, color)
-    rows, columns = mask.shape[:2]
-    row = ((1 - place[:, 1]) * rows).astype(int).clip(0, rows - 1)
-    column = (place[:, 0] * columns).astype(int).clip(0, columns - 1)
-    ink = mask[row, column].reshape(len(row), mask.size // (rows * columns))
-    color[:, -ink.shape[1] :] *= ink / np.float32(255)
-    inked = color[:, 3] > 0.01
-    return Fragments(sample[inked], depth[inked], color[inked])
 
 
 # First Debian's Chromium without windows: a picture takes 1.3 s of processor time instead of 3.6 s.

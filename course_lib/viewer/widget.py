@@ -229,9 +229,26 @@ class SceneWidget(anywidget.AnyWidget):
         """Return the view, and a picture for pages that run no scripts: saved, untrusted, on GitHub."""
         data, metadata = super()._repr_mimebundle_(**kwargs) or ({}, {})
         is_wanted = "image/png" in (kwargs.get("include") or ("image/png",))
-        if is_wanted and _triangles(self.scene) <= _PICTURE_LIMIT:
+        # An estimate of the number of triangles in the picture.
+        count = 0
+        for drawable in self.scene.objects().values():
+            if isinstance(drawable, Mesh):
+                count += len(drawable.faces)
+            elif isinstance(drawable, Points):
+                count += 2 * len(drawable.points)
+            elif isinstance(drawable, Solids):
+                count += len(drawable.placements) * (12 if drawable.shape == "box" else 200)
+        if is_wanted and count <= _PICTURE_LIMIT:
             png = renderer.draw(self.scene, (_PICTURE_WIDTH, self.height * _PICTURE_WIDTH // 800))
-            data["image/png"] = base64.b64encode(_with_caption(png)).decode()
+            picture = Image.open(BytesIO(png)).convert("RGB")
+            # The caption explains how to get the interactive view.
+            captioned = Image.new("RGB", (picture.width, picture.height + 20), "white")
+            captioned.paste(picture, (0, 0))
+            font, place = ImageFont.load_default(12), (4, picture.height + 3)
+            ImageDraw.Draw(captioned).text(place, _CAPTION, fill="black", font=font)
+            small = BytesIO()
+            captioned.quantize(128).save(small, "png", optimize=True)
+            data["image/png"] = base64.b64encode(small.getvalue()).decode()
         return with_description((data, metadata), f"{self.label}: {len(self.scene.objects())} objects")
 
 
@@ -242,24 +259,3 @@ def with_description(bundle: MimeBundle, text: str) -> MimeBundle:
     """Return a bundle with this text, which is also the alternative text of its picture."""
     data, metadata = bundle
     return data | {"text/plain": text}, metadata | {"image/png": {"alt": text}}
-
-
-def _with_caption(png: bytes) -> bytes:
-    """Add a caption to a picture that explains how to get the interactive view."""
-    picture = Image.open(BytesIO(png)).convert("RGB")
-    font = ImageFont.load_default(12)
-    captioned = Image.new("RGB", (picture.width, picture.height + 20), "white")
-    captioned.paste(picture, (0, 0))
-    ImageDraw.Draw(captioned).text((4, picture.height + 3), _CAPTION, fill="black", font=font)
-    small = BytesIO()
-    captioned.quantize(128).save(small, "png", optimize=True)
-    return small.getvalue()
-
-
-def _triangles(scene: Scene) -> int:
-    """Estimate the number of triangles in a picture."""
-    objects = scene.objects().values()
-    count = sum(len(drawable.faces) for drawable in objects if isinstance(drawable, Mesh))
-    count += sum(2 * len(drawable.points) for drawable in objects if isinstance(drawable, Points))
-    solids = [(len(t.placements), 12 if t.shape == "box" else 200) for t in objects if isinstance(t, Solids)]
-    return count + sum(number * each for number, each in solids)

@@ -131,24 +131,17 @@ def _place_cells(
             start = min(x - half for x, half in members) - 12
             boxes[lane] = start, y - 10, max(x + half for x, half in members) + 12 - start, ROW * rows + 14
         y += ROW * rows
-    routes = {edge: _route(edge, chain, positions, widths) for edge, chain in chains.items()}
+    # The points of each edge from border to border. An edge to the left is drawn lower.
+    routes: dict[Edge, list[Point]] = {}
+    for edge, chain in chains.items():
+        is_reversed = chain[0][0] != edge[0]
+        points = [positions[name] for name, _ in chain]
+        (x0, y0), (x1, y1) = points[0], points[-1]
+        points[0] = x0 + widths[chain[0][0]] / 2, y0 + 7 * is_reversed
+        points[-1] = x1 - widths[chain[-1][0]] / 2, y1 + 7 * is_reversed
+        routes[edge] = points[::-1] if is_reversed else points
     size = (max((x + w for x, w in zip(left_edges, wide, strict=True)), default=0.0) + _PAD, y + _PAD)
     return Layers({name: positions[name] for name in widths}, routes, boxes, size)
-
-
-def _route(
-    edge: Edge,
-    chain: Sequence[tuple[str, int]],
-    positions: Mapping[str, Point],
-    widths: Mapping[str, float],
-) -> list[Point]:
-    """Return the points of an edge from border to border. An edge to the left is drawn lower."""
-    is_reversed = chain[0][0] != edge[0]
-    points = [positions[name] for name, _ in chain]
-    (x0, y0), (x1, y1) = points[0], points[-1]
-    points[0] = x0 + widths[chain[0][0]] / 2, y0 + 7 * is_reversed
-    points[-1] = x1 - widths[chain[-1][0]] / 2, y1 + 7 * is_reversed
-    return points[::-1] if is_reversed else points
 
 
 NODES, ACTIVE, ALL = "Nodes only", "Nodes/Topics (active)", "Nodes/Topics (all)"
