@@ -46,6 +46,14 @@ def test_view_whose_pictures_are_all_slow_becomes_coarser(tmp_path: Path) -> Non
     assert levels(tmp_path, [90] * 2)[-1] == 5
 
 
+def test_view_on_a_busy_machine_becomes_coarser_until_pictures_are_cheap(tmp_path: Path) -> None:
+    """Other programs delay most pictures; the least time is what drawing itself costs."""
+    assert levels(tmp_path, [7, 40, 35, 30] * 8)[-1] == 5
+    assert levels(tmp_path, [3, 40, 35, 30] * 8)[-1] == 3
+    answer = levels(tmp_path, [*[7, 40, 35, 30] * 8, *[5] * 60])
+    assert answer[-1] == 1
+
+
 def test_view_becomes_finer_again_after_a_slow_period(tmp_path: Path) -> None:
     costs = [40, 9, 6, 5, 4, 4]
     answer = levels(tmp_path, [*[50] * 4, *[costs] * 60])

@@ -4,7 +4,8 @@
 //
 // The level is chosen by the time that drawing takes, not by the rate of the pictures. Other programs that use the
 // processor can only lengthen this time, so the least of a few pictures is the best estimate of what drawing costs: a
-// single picture that took long, for example because a kernel was starting, does not change the level.
+// single picture that took long, for example because a kernel was starting, does not change the level. Where most of
+// them take long, the machine is busy. A coarser picture then needs less of the little that is left.
 
 /**
  * @typedef {{scale: number, cell: number, simple: boolean}} Quality rendered pixels per displayed pixel; approximate width of
@@ -22,9 +23,12 @@ const LEVELS = [
 // How many times longer a picture of each level is expected to take than one of the next coarser level.
 const RATIOS = [4, 2, 1.7, 1.8, 1.8];
 const BUDGET = 14; // [ms] per picture; half of a page's time remains for the page itself
+const BUSY = 24; // [ms] usual time of a picture on a busy machine; with the page's own work, this gives 30 pictures per second
+const CHEAP = 4; // [ms] least time of a picture that would not become much cheaper
 const MUCH_TOO_LONG = 2.5; // multiple of BUDGET from which on two levels are skipped in one step, or a trial ends early
 const MOVING = 900; // [ms] maximum time between two pictures of a motion; busy machines draw two per second
 const [FEW, ENOUGH, LONGEST] = [2, 4, 256]; // measurements before a much coarser, a coarser, and the longest before a finer level
+const RECENT_TIMES = 8; // measurements whose median is the usual time
 const MEASURE_EVERY = 6; // with a graphics card one in so many pictures is measured, because each measurement waits for the card
 
 let isSoftware = false;
@@ -81,12 +85,15 @@ export class MotionQuality {
 
   /** @param {number} level @param {number} duration [ms] of its last picture @returns {number} the next level */
   levelAfter(level, duration) {
-    this.times = [...this.times, duration].slice(-ENOUGH);
+    this.times = [...this.times, duration].slice(-RECENT_TIMES);
     this.measured++;
-    const least = Math.min(...this.times);
+    const least = Math.min(...this.times.slice(-ENOUGH));
+    const usual = [...this.times].sort((one, other) => one - other)[(this.times.length - 1) >> 1];
     if (this.measured >= FEW && least > MUCH_TOO_LONG * BUDGET) return this.step(level, this.isTrial ? 1 : 2);
-    if (this.measured >= ENOUGH && least > BUDGET) return this.step(level, 1);
-    const canImprove = level > (isSoftware ? 1 : 0) && least * RATIOS[level - 1] < BUDGET;
+    const isBusy = this.measured >= RECENT_TIMES && usual > BUSY && least > CHEAP;
+    if (this.measured >= ENOUGH && (least > BUDGET || isBusy)) return this.step(level, 1);
+    const ratio = RATIOS[level - 1];
+    const canImprove = level > (isSoftware ? 1 : 0) && least * ratio < BUDGET && usual * ratio < BUSY;
     return canImprove && this.measured >= this.wait ? this.step(level, -1) : level;
   }
 
