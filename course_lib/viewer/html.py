@@ -25,6 +25,10 @@ _MODULES = (
     "recording", "player", "link", "page", "socket",
 )  # fmt: skip
 _FOLDER = Path(__file__).parent / "js"
+# A string, which keeps its spaces, or an operator with spaces around it.
+_SPACED = re.compile(r'("[^"]*")| *([=<>?:,;{}()&|[\]]) *')
+# Other strings, templates, regular expressions and directives of shaders keep their spaces.
+_UNSAFE = re.compile(r"['`/#\\]")
 
 # Defines `module` for meshcat's bundle, and hides a RequireJS that the page may have loaded.
 _SCRIPT = b"""\
@@ -62,7 +66,8 @@ def bundle() -> Bundle:
         text = re.sub(r"/\*\*.*?\*/", "", (_FOLDER / f"{name}.js").read_text("utf-8"), flags=re.S)
         text = re.sub(r"^\s*//.*\n| +// .*$", "", text, flags=re.M)
         text = re.sub(r"^import [^;]*;$", "", text, flags=re.M)
-        scripts.append(re.sub(r"^(export |\s+)", "", text, flags=re.M))
+        text = re.sub(r"^(export |\s+)", "", text, flags=re.M)
+        scripts += [line if _UNSAFE.search(line) else _SPACED.sub(r"\1\2", line) for line in text.split("\n")]
     # Importing meshcat would take a second, and its script as a string would take twice the memory.
     package = find_spec("meshcat")
     if package is None or package.origin is None:

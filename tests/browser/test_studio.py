@@ -216,3 +216,19 @@ def test_opaque_map_keeps_its_colors_and_lies_below_the_shadow(host: Host, scene
     pixels = at_rest(host)
     shaded = (np.ptp(pixels, axis=2) > 25) & (abs(pixels[..., 1] - 86) < 20) & (pixels[..., 0] < 60)
     assert shaded.sum() > 1000
+
+
+def test_shadow_is_softer_where_the_object_is_farther_from_the_ground(host: Host, scene: Scene) -> None:
+    scene.look = "Studio"
+    scene.camera = Camera(eye=(0.0, -7.0, 4.0))
+
+    def edge(height: float) -> int:
+        """Return the number of pixels between the shadow and the ground, with the box at a height in [m]."""
+        box = np.diag([1.5, 1.5, 0.1, 1.0])
+        box[2, 3] = height
+        scene.set_object("box", Solids("box", [box], (1, 0, 0, 1)))
+        wait_until(lambda: grey(look(host)) > 500, host.page)
+        pixels = at_rest(host)
+        return int(((np.ptp(pixels, axis=2) < 25) & (np.abs(pixels.mean(axis=2) - 205) < 22)).sum())
+
+    assert edge(1.5) > 2 * edge(0.3) > 0

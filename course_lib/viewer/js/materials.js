@@ -25,25 +25,32 @@ export const studio = {
 };
 
 // The visible fraction of the sun. A few points are looked up in the shadow map, with a different rotation for each
-// pixel, so that the edge of a shadow is soft; more points make it smoother.
+// pixel. They lie the closer to each other, the closer the objects that cast the shadow: it is sharp below a foot and
+// soft below a body.
 export const SHADOW = `
   uniform sampler2D shade;
   uniform float taps, soft;
   varying vec3 vShade;
   // three.js packs a depth into the four channels of a color.
   const vec4 UNPACK = 255.0 / 256.0 / vec4(16777216.0, 65536.0, 256.0, 1.0);
-  float sunlight() {
-    if (taps < 0.5 || any(greaterThan(abs(vShade - 0.5), vec3(0.5)))) return 1.0;
+  // The number of points in the sun, and the mean distance of the others from what is in front of them.
+  vec2 lookUp(float width) {
     float turn = 6.2832 * fract(52.9829 * fract(dot(gl_FragCoord.xy, vec2(0.06711, 0.00584))));
-    float arrives = 0.0;
+    float lit = 0.0, sum = 0.0;
     for (int i = 0; i < 16; i++) {
       if (float(i) >= taps) break;
-      float radius = soft * sqrt((float(i) + 0.5) / taps), angle = turn + 2.3999632 * float(i);
+      float radius = width * sqrt((float(i) + 0.5) / taps), angle = turn + 2.3999632 * float(i);
       vec4 packed = texture2D(shade, vShade.xy + radius * vec2(cos(angle), sin(angle)));
-      float nearest = dot(packed, UNPACK);
-      arrives += step(vShade.z, nearest + 0.006);
+      float ahead = vShade.z - dot(packed, UNPACK) - 0.006;
+      lit += step(ahead, 0.0);
+      sum += max(ahead, 0.0);
     }
-    return arrives / taps;
+    return vec2(lit, sum / max(taps - lit, 1.0));
+  }
+  float sunlight() {
+    if (taps < 0.5 || any(greaterThan(abs(vShade - 0.5), vec3(0.5)))) return 1.0;
+    vec2 wide = lookUp(soft);
+    return (wide.x < taps && soft > 0.0 ? lookUp(clamp(0.12 * wide.y, 0.002, soft)).x : wide.x) / taps;
   }`;
 
 const FRAGMENT = `
