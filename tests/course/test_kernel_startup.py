@@ -51,6 +51,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
 def test_check_before_the_first_cell_has_a_hint(shown: list[str]) -> None:
     assert "name 'check' is not defined" in shown[0]
     assert HINT in shown[0]
+    assert "from course_lib import resume; resume()" in shown[0]
 
 
 def test_magic_before_the_first_cell_has_a_hint(shown: list[str]) -> None:

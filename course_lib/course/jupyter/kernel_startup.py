@@ -18,7 +18,8 @@ def _watch_for_early_cells() -> None:
     shell = get_ipython()
     hint = (
         "run the cells above first, beginning with the first one, %load_ext course_lib "
-        "(Run → Run All Above Selected Cell)."
+        "(Run → Run All Above Selected Cell). Faster after a restart: write "
+        "`from course_lib import resume; resume()` above this cell's first line."
     )
     ros_names = re.compile(
         r"(rclpy|rosbag2|ros2|tf2|launch|ament|builtin_interfaces|message_filters)|\w+_(msgs|srvs|interfaces)\b"
