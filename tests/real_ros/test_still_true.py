@@ -36,7 +36,12 @@ def running(request: pytest.FixtureRequest) -> Iterator[Running]:
 
 @pytest.mark.parametrize("file", FILES)
 def test_real_rclpy_gives_the_frozen_outcomes(file: str, running: Running) -> None:
-    assert running[file].result() == frozen_outcomes(file)
+    frozen, outcomes = frozen_outcomes(file), running[file].result()
+    assert outcomes.keys() == frozen.keys()
+    different = {name for name in frozen if outcomes[name] != frozen[name]}
+    # Probes that measure times may fail while other files run, so they get a second run.
+    again = outcomes_of_probes(PYTHON, HERE / "probes" / f"{file}.py") if different else {}
+    assert {name: again[name] for name in different if again[name] != frozen[name]} == {}
 
 
 def test_real_rclpy_ends_programs_as_in_the_frozen_outcomes() -> None:
