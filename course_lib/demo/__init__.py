@@ -1,7 +1,7 @@
 """`course demo`: run, draw and check a node in 20 seconds, without a browser."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 
@@ -30,6 +30,11 @@ def demo(out: Path) -> None:
     import_path.install()
     from course_lib.demo.red_cube import RedCubeNode
     from course_lib.displays.render import render_bag
+    from course_lib.grading.advice import Advice
+    from course_lib.grading.check import table_of
+    from course_lib.grading.judge import judge_task
+    from course_lib.grading.records import Run
+    from course_lib.grading.run.scenario import run_in_this_process
     from course_lib.tools.run import run
 
     console = Console(highlight=False, soft_wrap=True)
@@ -50,8 +55,13 @@ def demo(out: Path) -> None:
         height = 0.2
 
     console.print("\n[bold]3. Check[/bold] it as an exercise does: first right, then with the cube too low:")
+    task = red_cube_task()
     for answer in (RedCubeNode, TooLow):
-        console.print(check_answer(answer), markup=False)
+        runs = [Run(scenario, run_in_this_process(task, scenario, answer, {})) for scenario in task.scenarios]
+        result = judge_task(task, 100.0, False, runs)
+        # The table of results that a student sees.
+        results = table_of(task, result, [run.evidence for run in runs], None, Advice())
+        console.print(str(results), markup=False)
     console.print("\nNext: [bold]course lab[/bold] opens the lessons in JupyterLab.")
 
 
@@ -80,17 +90,3 @@ def red_cube_task() -> "Task":
         ),
         scenarios=(Scenario("public", seconds=6.0, checks=checks),),
     )
-
-
-def check_answer(answer: Any) -> str:
-    """Check an answer to the task and return the table of results that a student sees."""
-    from course_lib.grading.advice import Advice
-    from course_lib.grading.check import table_of
-    from course_lib.grading.judge import judge_task
-    from course_lib.grading.records import Run
-    from course_lib.grading.run.scenario import run_in_this_process
-
-    task = red_cube_task()
-    runs = [Run(scenario, run_in_this_process(task, scenario, answer, {})) for scenario in task.scenarios]
-    result = judge_task(task, 100.0, False, runs)
-    return str(table_of(task, result, [run.evidence for run in runs], None, Advice()))

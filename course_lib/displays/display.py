@@ -227,7 +227,8 @@ class Display(PropertyHolder):
         self._statuses = Statuses()
         self.subscriptions: tuple[Subscription, ...] = ()
         self.is_started = False
-        self._is_group_visible = True
+        # Whether all enclosing groups are enabled.
+        self.is_group_visible = True
 
     @property
     def context(self) -> Context:
@@ -260,7 +261,7 @@ class Display(PropertyHolder):
     @property
     def enabled(self) -> bool:
         """Whether the display and all enclosing groups are enabled in RViz's tree."""
-        return bool(self["Enabled"]) and self._is_group_visible
+        return bool(self["Enabled"]) and self.is_group_visible
 
     def rows(self) -> list[StatusRow]:
         """Return the statuses as rows; a disabled display has none."""
@@ -277,22 +278,10 @@ class Display(PropertyHolder):
         if label == "Enabled" and self.is_started:
             self.start()
 
-    def set_group_visible(self, visible: bool) -> None:
-        """Show or hide the display with its group."""
-        if visible != self._is_group_visible:
-            self._is_group_visible = visible
-            if self.is_started:
-                self.start_safely()
-
-    def start_safely(self) -> None:
-        """Start; an exception becomes a status, so that the session continues without this display."""
+    def run_safely(self, step: Callable[[], None]) -> None:
+        """Start or reset; an exception becomes a status, so that the session continues without it."""
         with contained(self._statuses, "Start"):
-            self.start()
-
-    def reset_safely(self) -> None:
-        """Reset; an exception becomes a status, so that the session continues without this display."""
-        with contained(self._statuses, "Start"):
-            self.reset()
+            step()
 
     def apply_change(self, label: str) -> None:
         """Update the display after a property has changed; an exception becomes a status."""
@@ -346,7 +335,9 @@ class Group:
             if isinstance(member, Group):
                 member.update_visibility(above and self.is_enabled)
             else:
-                member.set_group_visible(above and self.is_enabled)
+                was_visible, member.is_group_visible = member.is_group_visible, above and self.is_enabled
+                if member.is_group_visible != was_visible and member.is_started:
+                    member.run_safely(member.start)
 
     def displays(self) -> Iterator[Display]:
         """Iterate over the displays at any depth, in the order of the tree."""

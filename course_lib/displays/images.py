@@ -85,7 +85,14 @@ class Range:
         low, high = float(finite_values.min(initial=65535)), float(finite_values.max(initial=0))
         if window < 2:
             return low, high
-        return _median(self._lows, low, window), _median(self._highs, high, window)
+        medians = []
+        for lasts, new in ((self._lows, low), (self._highs, high)):
+            while len(lasts) > window - 1:
+                lasts.pop()
+            lasts.appendleft(new)
+            # The upper median, truncated to an integer as in RViz.
+            medians.append(float(int(sorted(lasts)[len(lasts) // 2])))
+        return medians[0], medians[1]
 
 
 def rgb_of(message: Any, limits: Limits) -> Pixels:
@@ -172,14 +179,6 @@ def rows_of(message: Any, kind: str, count: int) -> AnyArray:
         )
     strides = (step, count * dtype.itemsize, dtype.itemsize)
     return np.ndarray((height, width, count), dtype, memoryview(message.data), 0, strides)
-
-
-def _median(values: deque[float], new: float, window: int) -> float:
-    """Return the (upper) median of the last values, truncated to an integer as in RViz."""
-    while len(values) > window - 1:
-        values.pop()
-    values.appendleft(new)
-    return float(int(sorted(values)[len(values) // 2]))
 
 
 IMAGE, PACKED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"

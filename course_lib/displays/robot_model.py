@@ -245,17 +245,6 @@ class DrawnLink:
             yield kind, (other, np.eye(4))
 
 
-def joint_axis(axis: Iterable[float]) -> dict[str, Drawable]:
-    """Draw the axis of a joint as RViz's green arrow. A zero vector draws nothing."""
-    direction = np.array([*axis])
-    length = np.linalg.norm(direction)
-    if not length:
-        return {}
-    # Arrows point along x, and `rotation_to` maps z.
-    pose = placement(rotation_to(direction / length) @ ALONG_X.T, 1.0, 0.0)
-    return draw_arrows([pose], 0.15, 0.05, 0.05, 0.08, rgba=(0.0, 0.8, 0.0, 1.0))
-
-
 # The styles of the tree, and RViz's name of its top row with each.
 _LINKS, _JOINTS = "Links in Alphabetic Order", "Joints in Alphabetic Order"
 _LINK_TREE, _JOINT_TREE = "Tree of links", "Tree of links and joints"
@@ -458,7 +447,13 @@ class RobotModelDisplay(TopicDisplay):
                 if is_enabled and self[f"{row}/Show Axes"]:
                     drawables["axes"] = _AXES
                 if is_enabled and self.get(f"{row}/Show Joint Axis", False):
-                    drawables |= joint_axis(joint.axis)
+                    # RViz's green arrow. Arrows point along x, and `rotation_to` maps z. An axis of
+                    # zeros draws nothing.
+                    direction = np.array([*joint.axis])
+                    if length := np.linalg.norm(direction):
+                        pose = placement(rotation_to(direction / length) @ ALONG_X.T, 1.0, 0.0)
+                        rgba = (0.0, 0.8, 0.0, 1.0)
+                        drawables |= draw_arrows([pose], 0.15, 0.05, 0.05, 0.08, rgba=rgba)
                 for name, drawable in drawables.items():
                     node = f"{path}/{name}"
                     self._drawn_joints[node] = joint

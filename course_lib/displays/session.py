@@ -153,7 +153,7 @@ class RvizSession:
         if self._framing is not None:
             self._framing = Framing(self.context.scene)
         for display in self.displays:
-            display.reset_safely()
+            display.run_safely(display.reset)
         self.refresh()
 
     @property
@@ -232,7 +232,7 @@ class RvizSession:
             display[label] = value
         (group or self.tree).members.append(display)
         self.tree.update_visibility()
-        display.start_safely()
+        display.run_safely(display.start)
         display.statuses.hint("Properties", *wrong)
         self.refresh()
         return display
@@ -283,7 +283,7 @@ class RvizSession:
         """Remove a display with its drawing, or a group with all its displays."""
         self.tree.find_group_of(member).members.remove(member)
         for display in member.displays() if isinstance(member, Group) else (member,):
-            display.reset_safely()
+            display.run_safely(display.reset)
             self.context.scene.delete(display.path)
         self._notify()
 
@@ -503,7 +503,7 @@ class RvizSession:
         self.context.frames.buffer.clear()
         self.statuses.hint("TF")
         for display in self.displays:
-            display.reset_safely()
+            display.run_safely(display.reset)
         self.time.request_frame()
 
     def _on_time_jump(self, reason: str) -> None:

@@ -394,7 +394,19 @@ class TfDisplay(Display):
         for name in self._frames.keys() - set(names):
             for node in self._frames.pop(name).nodes.values():
                 self.context.scene.delete(node)
-        self._add_frames([name for name in names if name not in self._frames])
+        # New frames get their properties in one call, because each call takes linear time.
+        if new := [name for name in names if name not in self._frames]:
+            self._frames |= {name: DrawnFrame(self.context.scene, self.path, name) for name in new}
+            labels, rows = {prop.label for prop in self.properties}, list[Property]()
+            for name in new:
+                row, path = f"Frames/{name}", ("Frames", name)
+                # A frame that was filtered out before has its properties already.
+                if row not in labels:
+                    rows.append(Property(row, True, flag, path))
+                    for label in _FRAME_VALUES:
+                        value = partial(self._frame_value, name, label)
+                        rows.append(Property(f"{row}/{label}", value, read_only, (*path, label)))
+            self.grow(*rows)
         for name in names:
             self._update(name)
 
@@ -427,22 +439,6 @@ class TfDisplay(Display):
         )
         drawn_frame.show(visible_parts, look)
         drawn_frame.place(transform, there, look.scale)
-
-    def _add_frames(self, names: list[str]) -> None:
-        """Add new frames with their properties in one call, because each call takes linear time."""
-        if not names:
-            return
-        self._frames |= {name: DrawnFrame(self.context.scene, self.path, name) for name in names}
-        labels, rows = {prop.label for prop in self.properties}, list[Property]()
-        for name in names:
-            row, path = f"Frames/{name}", ("Frames", name)
-            # A frame that was filtered out before has its properties already.
-            if row not in labels:
-                rows.append(Property(row, True, flag, path))
-                for label in _FRAME_VALUES:
-                    value = partial(self._frame_value, name, label)
-                    rows.append(Property(f"{row}/{label}", value, read_only, (*path, label)))
-        self.grow(*rows)
 
     def _frame_value(self, name: str, label: str) -> Any:
         """Return a value that RViz shows below a frame; quaternions are (x, y, z, w)."""

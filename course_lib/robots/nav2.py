@@ -149,12 +149,13 @@ def read_map(path: Path) -> OccupancyGrid:
     """
     settings = read_settings(path)
     if not os.path.exists(settings.image):
-        name = settings.image.name
-        advice = f"Write the name of an image next to {path.name}."
+        name, text = settings.image.name, f"{path}: image: {settings.image} does not exist."
         # The file was written on another computer, with the path of the image there.
         if os.path.isfile(path.with_name(name)):
-            advice = f"It is next to {path.name}: write image: {name}"
-        raise MapImageError(f"{path}: image: {settings.image} does not exist. {advice}")
+            text += f" It is next to {path.name}: write image: {name}"
+        else:
+            text += f" Write the name of an image next to {path.name}."
+        raise MapImageError(text)
     gray, is_opaque = _read_image(settings.image)
     cells = _cells(settings, gray, is_opaque)
     grid = OccupancyGrid()

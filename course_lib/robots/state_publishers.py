@@ -215,20 +215,18 @@ class JointStatePublisher(Node):
             }
             # Dependent joints have positions even if the position of no other joint is known.
             if known_values or (kind == "position" and len(self.joints) < len(self._mimics)):
-                values = [_mimic_value(kind, follow, known_values) for follow in self._mimics.values()]
+                values = []
+                # A joint follows another one or itself.
+                for follow in self._mimics.values():
+                    value = 0.0
+                    if follow.joint in known_values:
+                        value = float(known_values[follow.joint])
+                        value *= 1.0 if kind == "effort" else follow.factor
+                        value += follow.offset if kind == "position" else 0.0
+                    values.append(value)
                 setattr(state, kind, values)
         if state.name:
             self._publisher.publish(state)
-
-
-def _mimic_value(kind: str, follow: Mimic, known_values: Mapping[str, float]) -> float:
-    """Return the position, velocity or effort of a joint that follows another one or itself."""
-    if follow.joint not in known_values:
-        return 0.0
-    value = float(known_values[follow.joint])
-    if kind == "position":
-        return value * follow.factor + follow.offset
-    return value * follow.factor if kind == "velocity" else value
 
 
 def joint_sliders(publisher: JointStatePublisher) -> "VBox | None":

@@ -447,15 +447,13 @@ class TurtleTeleop(Node):
             key = self._pressed.popleft()
             if key in ARROWS:
                 forward, turn = ARROWS[key]
-                self._twists.publish(_twist(forward * self._scale("linear"), turn * self._scale("angular")))
+                scales = [self.get_parameter(f"scale_{kind}").value for kind in ("linear", "angular")]
+                self._twists.publish(_twist(forward * float(scales[0]), turn * float(scales[1])))
             elif key in HEADINGS:
                 goal = RotateAbsolute.Goal(theta=HEADINGS[key] * math.pi / 4)
                 self._rotate.send_goal_async(goal).add_done_callback(self._remember)
             elif key == "f" and self._goal is not None:
                 self._goal.cancel_goal_async()
-
-    def _scale(self, kind: str) -> float:
-        return float(self.get_parameter(f"scale_{kind}").value)
 
     def _remember(self, goal_future: "Future[Any]") -> None:
         self._goal = goal_future.result()

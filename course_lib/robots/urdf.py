@@ -318,8 +318,19 @@ def links_of(text: str) -> list[Link]:
 
 def _link(link: ET.Element, materials: Mapping[str, Material]) -> Link:
     problems = list[str]()
-    visuals, collisions = (tuple(_geometries(link, kind, problems)) for kind in ("visual", "collision"))
     name, inertial, material = link.get("name", ""), link.find("inertial"), None
+    # Like urdfdom, ignore the invalid shapes.
+    shapes: dict[str, list[Geometry]] = {"visual": [], "collision": []}
+    for kind, valid_shapes in shapes.items():
+        for element in link.findall(kind):
+            tags = element.findall("geometry/*")
+            try:
+                if not tags:
+                    raise _MalformedError("Geometry tag contains no child element.")
+                for tag in tags:
+                    valid_shapes.append(_geometry(tag.tag, tag.attrib, _origin(element)))
+            except _MalformedError as error:
+                problems.append(f"Could not parse {kind} element for Link [{name}]: {error}")
     # A path with an index, visual[1], would take quadratic time.
     first_visual = link.find("visual")
     painted = None if first_visual is None else first_visual.find("material")
@@ -340,20 +351,8 @@ def _link(link: ET.Element, materials: Mapping[str, Material]) -> Link:
             body = Inertial(_number("value", mass.attrib), matrix, _origin(inertial))
     except _MalformedError as error:
         problems.append(f"Could not parse inertial element for Link [{name}]: {error}")
+    visuals, collisions = map(tuple, shapes.values())
     return Link(name, visuals, collisions, material, body, tuple(problems))
-
-
-def _geometries(link: ET.Element, kind: str, problems: list[str]) -> Iterator[Geometry]:
-    """Yield the valid shapes. Like urdfdom, ignore the others."""
-    for element in link.findall(kind):
-        shapes = element.findall("geometry/*")
-        try:
-            if not shapes:
-                raise _MalformedError("Geometry tag contains no child element.")
-            for shape in shapes:
-                yield _geometry(shape.tag, shape.attrib, _origin(element))
-        except _MalformedError as error:
-            problems.append(f"Could not parse {kind} element for Link [{link.get('name', '')}]: {error}")
 
 
 def _geometry(kind: str, attributes: Mapping[str, str], transform: Matrix) -> Geometry:

@@ -290,12 +290,22 @@ def _selected_samples(
 ) -> Iterator[Sample]:
     """Yield the selected samples and samples of /clock, with remapped topics."""
     names = dict(arguments.remap)
+    played_topics = set[str]()
+    # As in rosbag2, a regular expression must match the whole name of a topic.
+    for topic in {sample.topic for sample in recording.samples} - set(arguments.exclude_topics):
+        is_selected = topic in arguments.topics or not (arguments.topics or arguments.regex)
+        if not is_selected and arguments.regex:
+            is_selected = bool(arguments.regex.fullmatch(topic))
+        if arguments.exclude_regex and arguments.exclude_regex.fullmatch(topic):
+            is_selected = False
+        if is_selected and not (arguments.clock and topic == CLOCK[0]):
+            played_topics.add(topic)
     selected = (
         sample
         for sample in recording.samples
         if start_ns <= sample.stamp_ns
         and (until_ns is None or sample.stamp_ns <= until_ns)
-        and _is_played(arguments, sample.topic)
+        and sample.topic in played_topics
     )
     # Samples of /clock are periodic on the wall clock, or precede samples on certain topics.
     tick_ns = start_ns
@@ -308,18 +318,6 @@ def _selected_samples(
             stamps.append(sample.stamp_ns)
         for played_sample in (*map(tick, stamps), sample):
             yield replace(played_sample, topic=names.get(played_sample.topic, played_sample.topic), node=0)
-
-
-def _is_played(arguments: Namespace, topic: str) -> bool:
-    """Return whether a topic is played. A regular expression must match its whole name, as in rosbag2."""
-    is_selected = topic in arguments.topics or not (arguments.topics or arguments.regex)
-    if not is_selected and arguments.regex:
-        is_selected = bool(arguments.regex.fullmatch(topic))
-    if arguments.exclude_regex and arguments.exclude_regex.fullmatch(topic):
-        return False
-    return (
-        is_selected and topic not in arguments.exclude_topics and not (arguments.clock and topic == CLOCK[0])
-    )
 
 
 def _rule(text: str) -> tuple[str, str]:

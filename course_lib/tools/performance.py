@@ -78,28 +78,6 @@ class CallbackRun:
     cpu_seconds: float
 
 
-def _topic(topic: str, samples: list[Sample], delay_ns: int) -> TopicRow:
-    stamps = [sample.stamp_ns for sample in samples]
-    gaps = [(b - a) / _SECOND for a, b in pairwise(stamps)]
-    rate = 1 / fmean(gaps) if sum(gaps) else 0.0
-    latencies = [
-        (sample.stamp_ns + delay_ns - made_ns) / _SECOND
-        for sample in samples
-        if (made_ns := header_stamp(sample)) is not None
-    ]
-    size = fmean(len(sample.cdr) for sample in samples)
-    return TopicRow(
-        topic,
-        len(samples),
-        rate=rate,
-        jitter=pstdev(gaps) if gaps else 0.0,
-        latency=fmean(latencies) if latencies else None,
-        longest_latency=max(latencies, default=None),
-        size=size,
-        bandwidth=size * rate,
-    )
-
-
 def header_stamp(sample: Sample) -> int | None:
     """Read the stamp [ns] from the bytes of a message's header; None without a header or stamp."""
     fields = message_class(sample.type_name).get_fields_and_field_types()
@@ -377,7 +355,28 @@ def _report(
     for sample in recording.samples:
         if sample.topic not in ALWAYS_THERE:
             by_topic.setdefault((sample.topic, sample.type_name), []).append(sample)
-    topics = [_topic(topic, samples, delay_ns) for (topic, _), samples in sorted(by_topic.items())]
+    topics = []
+    for (topic, _), samples in sorted(by_topic.items()):
+        gaps = [(b.stamp_ns - a.stamp_ns) / _SECOND for a, b in pairwise(samples)]
+        rate = 1 / fmean(gaps) if sum(gaps) else 0.0
+        latencies = [
+            (sample.stamp_ns + delay_ns - made_ns) / _SECOND
+            for sample in samples
+            if (made_ns := header_stamp(sample)) is not None
+        ]
+        size = fmean(len(sample.cdr) for sample in samples)
+        topics.append(
+            TopicRow(
+                topic,
+                len(samples),
+                rate=rate,
+                jitter=pstdev(gaps) if gaps else 0.0,
+                latency=fmean(latencies) if latencies else None,
+                longest_latency=max(latencies, default=None),
+                size=size,
+                bandwidth=size * rate,
+            )
+        )
     by_callback: dict[tuple[str, str], list[CallbackRun]] = {}
     for call in calls if seconds else ():
         by_callback.setdefault((call.node, call.callback), []).append(call)

@@ -58,7 +58,13 @@ def resume() -> None:
     shell = ipython.get_ipython() if ipython is not None else None
     if shell is None or _is_resuming or "JPY_SESSION_NAME" not in os.environ:
         return
-    waiting = _cells_to_run(shell, _cells_above(shell))
+    # From the first cell that this kernel has not run, except interactive cells. A cell that was run
+    # before another one that was not run is run again, because it may depend on it.
+    cells = [c for c in _cells_above(shell) if c.source.strip() and not _is_interactive(shell, c.source)]
+    history = getattr(shell.history_manager, "input_hist_raw", [])
+    run_sources = {str(source).strip() for source in (*history, *_resumed)}
+    first = next((i for i, c in enumerate(cells) if c.source.strip() not in run_sources), len(cells))
+    waiting = cells[first:]
     if not waiting:
         print("All cells above have been run. Continue below.")  # noqa: T201  the cell's output
         return
@@ -133,21 +139,6 @@ def _code_cells(path: Path) -> Iterator[_Cell]:
             yield _Cell(
                 str(cell.get("id", "")), number, "".join(source) if isinstance(source, list) else source
             )
-
-
-def _cells_to_run(shell: "InteractiveShell", cells: list[_Cell]) -> list[_Cell]:
-    """Return the cells from the first one that this kernel has not run, except interactive cells.
-
-    A cell that was run before another one that was not run is run again, because it may depend on
-    it.
-    """
-    history = {str(cell_input).strip() for cell_input in getattr(shell.history_manager, "input_hist_raw", [])}
-    run_sources = history | {source.strip() for source in _resumed}
-    useful = [cell for cell in cells if cell.source.strip() and not _is_interactive(shell, cell.source)]
-    first_index = next(
-        (i for i, cell in enumerate(useful) if cell.source.strip() not in run_sources), len(useful)
-    )
-    return useful[first_index:]
 
 
 def _is_interactive(shell: "InteractiveShell", source: str) -> bool:

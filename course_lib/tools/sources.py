@@ -83,10 +83,6 @@ class Source(ABC):
         """List a topic's publishers or subscriptions."""
         return [endpoint for endpoint in self.graph.endpoints_on(topic) if endpoint.kind == kind]
 
-    def offered_qos(self, topic: str) -> list[Qos]:
-        """List the QoS of the topic's publishers."""
-        return [endpoint.qos for endpoint in self.endpoints(topic, "pub")]
-
     def limit(self, enough: float = pace.SECONDS_WITHOUT_A_PAGE) -> float | None:
         """Return the time limit of an endless tool [s]: `enough`, or None until ■ or the end of the run."""
         return None

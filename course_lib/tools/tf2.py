@@ -92,30 +92,28 @@ def _echo(source: Source, arguments: Namespace, write: Write) -> None:
             if waiting:
                 continue
             try:
-                write(_pose_text(stream.buffer.lookup(target_frame, source_frame)))
+                transform = stream.buffer.lookup(target_frame, source_frame)
             except TransformException as error:
                 write(f"Failure at {now_ns / 1e9:.3f}\nException thrown:{error}\n")
                 write(f"The current list of frames is:\n{stream.buffer.describe_frames()}\n")
-
-
-def _pose_text(transform: Transform) -> str:
-    seconds, nanoseconds = divmod(transform.stamp_ns, 10**9)
-    m = transform.matrix()
-    # Roll, pitch and yaw [rad] as tf2's getEulerYPR computes them, even at a pitch of ±90°.
-    roll = atan2(m[2, 1], m[2, 2])
-    if abs(m[2, 0]) >= 1:
-        angles = (roll, pi / 2 if m[2, 0] < 0 else -pi / 2, 0.0)
-    else:
-        angles = (roll, -asin(m[2, 0]), atan2(m[1, 0], m[0, 0]))
-    rows = "".join("".join(f" {number:6.3f}" for number in row) + "\n" for row in transform.matrix())
-    return (
-        f"At time {seconds}.{nanoseconds}\n"
-        f"- Translation: [{_format_numbers(transform.translation)}]\n"
-        f"- Rotation: in Quaternion [{_format_numbers(transform.rotation)}]\n"
-        f"- Rotation: in RPY (radian) [{_format_numbers(angles)}]\n"
-        f"- Rotation: in RPY (degree) [{_format_numbers(tuple(map(degrees, angles)))}]\n"
-        f"- Matrix:\n{rows}"
-    )
+                continue
+            seconds, nanoseconds = divmod(transform.stamp_ns, 10**9)
+            m = transform.matrix()
+            # Roll, pitch and yaw [rad] as tf2's getEulerYPR computes them, even at a pitch of ±90°.
+            roll = atan2(m[2, 1], m[2, 2])
+            if abs(m[2, 0]) >= 1:
+                angles = (roll, pi / 2 if m[2, 0] < 0 else -pi / 2, 0.0)
+            else:
+                angles = (roll, -asin(m[2, 0]), atan2(m[1, 0], m[0, 0]))
+            rows = "".join("".join(f" {number:6.3f}" for number in row) + "\n" for row in m)
+            write(
+                f"At time {seconds}.{nanoseconds}\n"
+                f"- Translation: [{_format_numbers(transform.translation)}]\n"
+                f"- Rotation: in Quaternion [{_format_numbers(transform.rotation)}]\n"
+                f"- Rotation: in RPY (radian) [{_format_numbers(angles)}]\n"
+                f"- Rotation: in RPY (degree) [{_format_numbers(tuple(map(degrees, angles)))}]\n"
+                f"- Matrix:\n{rows}"
+            )
 
 
 def _format_numbers(numbers: tuple[float, ...]) -> str:

@@ -307,7 +307,7 @@ def _echo(source: Source, arguments: Namespace, write: Write) -> None:
         kind = type_of(source, topic, write, blocking=False)
     matches = filter_function(arguments.filter_expr)
     qos = requested_qos(arguments) or match_qos(
-        source.offered_qos(topic), PRESETS[arguments.qos_profile], write
+        [endpoint.qos for endpoint in source.endpoints(topic, "pub")], PRESETS[arguments.qos_profile], write
     )
     start_ns, has_received, limit = source.graph.now_ns, False, None if arguments.once else source.limit()
     limits = StreamLimits(patience=SILENCE_LIMIT, seconds=arguments.timeout or limit)

@@ -301,10 +301,6 @@ class PageLink:
         elif kind in self._listeners:
             self._call(self._listeners[kind], content)
 
-    def expect(self) -> None:
-        """Begin to send changes: a page that contains the current scene will connect."""
-        self.connect(self.number)
-
     def snapshot(self) -> tuple[int, bytes]:
         """Return the whole scene, and the number of the last batch in it."""
         with self._lock:

@@ -408,8 +408,18 @@ def covered_samples(xy: Floats, size: tuple[int, int]) -> Iterator[CoveredSample
     low = np.ceil(xy[..., 1].min(axis=1) - 0.5).clip(0, height).astype(int)
     high = np.ceil(xy[..., 1].max(axis=1) - 0.5).clip(0, height).astype(int)
     triangle, y = _expand_ranges(low, high)
-    slope, offset = _edges(xy)
-    slope, offset = slope[triangle], offset[triangle, :, 0] + offset[triangle, :, 1] * (y[:, None] + 0.5)
+    # The barycentric coordinate of each corner is slope * x + start + rise_in_y * y.
+    second, third = np.roll(xy, -1, axis=1), np.roll(xy, -2, axis=1)
+    rise, run = second[..., 1] - third[..., 1], third[..., 0] - second[..., 0]
+    area = rise * (xy[..., 0] - third[..., 0]) + run * (xy[..., 1] - third[..., 1])
+    # The comparison also selects NaN.
+    flat = ~(np.abs(area) > 1e-9)
+    area[flat] = 1
+    slope = np.where(flat, 0, rise / area)[triangle]
+    # The coordinate of a flat triangle is negative everywhere.
+    start = np.where(flat, -1, -(rise * third[..., 0] + run * third[..., 1]) / area)
+    rise_in_y = np.where(flat, 0, run / area)
+    offset = start[triangle] + rise_in_y[triangle] * (y[:, None] + 0.5)
     # A barycentric coordinate is positive on one side of the edge on which it is zero.
     crossing = -offset / np.where(slope == 0, 1, slope)
     first = np.where(slope > 0, crossing, -np.inf).max(axis=1)
@@ -447,20 +457,6 @@ def _cut(a: Float32s, b: Float32s, near: float) -> Float32s:
     """Return the intersections of edges with the near plane, shape (N, K)."""
     part: Float32s = (-near - a[:, 2:3]) / (b[:, 2:3] - a[:, 2:3])
     return a + part * (b - a)
-
-
-def _edges(xy: Floats) -> tuple[Floats, Floats]:
-    """Return the barycentric coordinate of each corner as slope * x + offset[0] + offset[1] * y."""
-    second, third = np.roll(xy, -1, axis=1), np.roll(xy, -2, axis=1)
-    rise, run = second[..., 1] - third[..., 1], third[..., 0] - second[..., 0]
-    area = rise * (xy[..., 0] - third[..., 0]) + run * (xy[..., 1] - third[..., 1])
-    # The comparison also selects NaN.
-    flat = ~(np.abs(area) > 1e-9)
-    area[flat] = 1
-    slope = np.where(flat, 0, rise / area)
-    # The coordinate of a flat triangle is negative everywhere.
-    start = np.where(flat, -1, -(rise * third[..., 0] + run * third[..., 1]) / area)
-    return slope, np.stack([start, np.where(flat, 0, run / area)], axis=-1)
 
 
 def _expand_ranges(start: Indices, stop: Indices) -> tuple[Indices, Indices]:

@@ -463,31 +463,25 @@ class Window:
         elif name == "visible":
             self.scene.set_visible(path, value)
         elif name in ("position", "quaternion", "scale"):
+            # Imported here because meshcat is slow to load.
+            from meshcat.transformations import quaternion_matrix
+
+            # Replace this part of the transform, and keep the other two.
             node = self.scene.find(path)
-            self.scene.set_transform(
-                path, _replace_part(np.eye(4) if node is None else node.matrix, name, value)
-            )
+            matrix, numbers = np.eye(4) if node is None else node.matrix.copy(), np.asarray(value, float)
+            scale = np.linalg.norm(matrix[:3, :3], axis=0)
+            if name == "position":
+                matrix[:3, 3] = numbers
+            elif name == "quaternion":
+                # meshcat's order is w, x, y, z.
+                matrix[:3, :3] = quaternion_matrix(np.roll(numbers, 1))[:3, :3] * scale
+            else:
+                matrix[:3, :3] = matrix[:3, :3] / np.where(scale, scale, 1) * numbers
+            self.scene.set_transform(path, matrix)
         elif name == "color":
             for node in self.scene.node(path).subtree():
                 if node.object is not None:
                     self.scene.set_object(node.path, recolor(node.object, value))
-
-
-def _replace_part(matrix: Matrix, name: str, value: npt.ArrayLike) -> Matrix:
-    """Replace a transform's position [m], quaternion (x, y, z, w) or scale, and keep the other two."""
-    # Imported here because meshcat is slow to load.
-    from meshcat.transformations import quaternion_matrix
-
-    changed_matrix, numbers = matrix.copy(), np.asarray(value, float)
-    scale = np.linalg.norm(matrix[:3, :3], axis=0)
-    if name == "position":
-        changed_matrix[:3, 3] = numbers
-    elif name == "quaternion":
-        # meshcat's order is w, x, y, z.
-        changed_matrix[:3, :3] = quaternion_matrix(np.roll(numbers, 1))[:3, :3] * scale
-    else:
-        changed_matrix[:3, :3] = matrix[:3, :3] / np.where(scale, scale, 1) * numbers
-    return changed_matrix
 
 
 _CAMERA_OBJECT = "/Cameras/default/rotated/<object>"

@@ -193,8 +193,9 @@ class SceneWidget(anywidget.AnyWidget):
             # subshells.
             self.comm._reply_subshell_for = lambda data, default: default
         if "JPY_SESSION_NAME" in os.environ:
-            # A page is open, but after a restart its messages wait for the running cell's end.
-            self.link.expect()
+            # A page is open, but after a restart its messages wait for the running cell's end. It
+            # will load with the current scene, and gets changes from now on.
+            self.link.connect(self.link.number)
         self._shell = get_ipython()
         if self._shell is not None:
             self._shell.events.register("post_run_cell", self._save)

@@ -157,15 +157,6 @@ def view_rows(session: RvizSession) -> Rows:
     return rows
 
 
-def tool_rows(session: RvizSession) -> Rows:
-    """Return the rows of the Tool Properties panel."""
-    rows = Rows()
-    for tool in (tool for tool in session.tools if tool.properties):
-        rows.put(f"tool {tool}", "", tool.label)
-        rows.put_properties(tool, f"tool {tool}")
-    return rows
-
-
 def worst_of(levels: Iterable[Level]) -> Level:
     """Return the most severe level; hints rank after RViz's warnings."""
     return min(levels, key=_WORST_FIRST.index, default="ok")
@@ -533,7 +524,10 @@ class Desk:
     def full_state(self) -> tuple[protocol.PanelState, dict[str, protocol.PanelRow]]:
         """Return the complete state of the panels, and its rows."""
         session = self._session
-        tree, view, tools = display_rows(session), view_rows(session), tool_rows(session)
+        tree, view, tools = display_rows(session), view_rows(session), Rows()
+        for tool in (tool for tool in session.tools if tool.properties):
+            tools.put(f"tool {tool}", "", tool.label)
+            tools.put_properties(tool, f"tool {tool}")
         self._orders.rows = tree | view | tools
         rows = {key: entry.row for key, entry in self._orders.rows.items()}
         return self._state(tuple(tree), tuple(view), tuple(tools)), rows

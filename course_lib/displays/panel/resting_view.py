@@ -42,7 +42,18 @@ class RestingView(SceneWidget):
         plays: bool = False,
     ) -> None:
         self._status_text = str(StatusTable(session.rows()))
-        panels = json.dumps(_panels(session, REPLAY if plays else RECORDED))
+        # The only message to the panels has read-only rows, and tools that need no Python.
+        desk = Desk(session, PageLink(Scene(), lambda content, buffers: None))
+        state, rows = desk.full_state()
+        desk.close()
+        tools = tuple(tool for tool in state.toolbar if tool.gesture in _OF_THE_PAGE)
+        notice = Notice("", REPLAY if plays else RECORDED)
+        state = replace(state, toolbar=tools, handles=(), notice=notice)
+        for key, row in rows.items():
+            text = row.text if row.editor is None or row.value is None else str(row.value)
+            is_off = row.checked is False
+            rows[key] = replace(row, text="off" if is_off else text, value=None, checked=None, editor=None)
+        panels = json.dumps(to_json(PanelNews(msgspec.structs.asdict(state), rows, ())))
         self._source, self._span = weakref.ref(recording), (seconds, recording.time)
         super().__init__(
             copy_of(recording.scene),
@@ -60,17 +71,3 @@ class RestingView(SceneWidget):
     def _repr_mimebundle_(self, **kwargs: Any) -> MimeBundle:
         bundle = super()._repr_mimebundle_(**kwargs)
         return with_description(bundle, f"{bundle[0]['text/plain']}\n{self._status_text}")
-
-
-def _panels(session: RvizSession, notice: str) -> Any:
-    """Return the only message to the panels: read-only rows, and tools that need no Python."""
-    desk = Desk(session, PageLink(Scene(), lambda content, buffers: None))
-    state, rows = desk.full_state()
-    desk.close()
-    tools = tuple(tool for tool in state.toolbar if tool.gesture in _OF_THE_PAGE)
-    state = replace(state, toolbar=tools, handles=(), notice=Notice("", notice))
-    for key, row in rows.items():
-        text = row.text if row.editor is None or row.value is None else str(row.value)
-        is_off = row.checked is False
-        rows[key] = replace(row, text="off" if is_off else text, value=None, checked=None, editor=None)
-    return to_json(PanelNews(msgspec.structs.asdict(state), rows, ()))

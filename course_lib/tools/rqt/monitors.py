@@ -515,7 +515,15 @@ class BagView(RqtView):
         """Draw the time line above the last message before the cursor."""
         length = self.controls["Time [s]"].max
         x, height = _LEFT + self._at / length * _WIDTH, _ROW * len(self._topics) + 22
-        shapes = "".join(self._line(row, topic) for row, topic in enumerate(self._topics))
+        shapes = ""
+        # A topic's name, a mark at each pixel with messages, and the number of messages.
+        for row, topic in enumerate(self._topics):
+            stamps, y = self._times[[s.topic == topic for s in self._samples]] * 1e-9, _ROW * row + 15
+            pixels = np.unique((stamps / length * _WIDTH).round()).astype(int)
+            marks = "".join(f"M{_LEFT + pixel} {y - 10}v12" for pixel in pixels.tolist())
+            shapes += tag("path", d=f"M{_LEFT} {y - 4}h{_WIDTH}", stroke="var(--rqt-line)")
+            shapes += tag("path", d=marks, stroke="#0072b2") + text(topic[-26:], _LEFT - 8, y, "end")
+            shapes += text(str(len(stamps)), _LEFT + _WIDTH + 8, y)
         shapes += text("0 s", _LEFT, height - 4) + text(f"{length:.1f} s", _LEFT + _WIDTH, height - 4, "end")
         shapes += tag("path", d=f"M{x:.1f} 0v{height - 16}", stroke="#c9281f", stroke_width=2)
         messages, topics = (
@@ -531,16 +539,6 @@ class BagView(RqtView):
             fields = escape(to_yaml(sample.message(), PrintOptions()))
             last = f"<p><b>{escape(sample.topic)}</b> at {stamp:.3f} s</p><pre>{fields}</pre>"
         return drawing(shapes, _LEFT + _WIDTH + 90, height, description) + last
-
-    def _line(self, row: int, topic: str) -> str:
-        """Draw a topic's name, a mark at each pixel with messages, and the number of messages."""
-        stamps = self._times[[s.topic == topic for s in self._samples]] * 1e-9
-        pixels = np.unique((stamps / self.controls["Time [s]"].max * _WIDTH).round()).astype(int)
-        marks = "".join(f"M{_LEFT + pixel} {_ROW * row + 5}v12" for pixel in pixels.tolist())
-        y = _ROW * row + 15
-        line = tag("path", d=f"M{_LEFT} {y - 4}h{_WIDTH}", stroke="var(--rqt-line)")
-        ends = text(topic[-26:], _LEFT - 8, y, "end") + text(str(len(stamps)), _LEFT + _WIDTH + 8, y)
-        return line + tag("path", d=marks, stroke="#0072b2") + ends
 
     def _index(self, seconds: float) -> int:
         """Return the number of messages up to a time [s]."""
