@@ -148,6 +148,20 @@ def test_layout_is_saved_and_opened_with_keyboard_shortcuts(bench: Bench, tmp_pa
     assert [display.name for display in bench.viewer.displays] == ["Grid", "Marker"]
 
 
+def test_notice_below_a_narrow_view_is_not_cut_off(bench: Bench, tmp_path: Path) -> None:
+    canvas = bench.page.locator("canvas")
+    canvas.press("Control+s")
+    bench.page.get_by_role("dialog").get_by_role("textbox").fill("the_layout_of_my_first_own_robot")
+    bench.page.keyboard.press("Enter")
+    bench.host.carry()
+    bench.page.evaluate("document.querySelector('.course-viewer').style.width = '420px'")
+    notice = bench.page.locator(".course-notice")
+    assert notice.inner_text() == "Saved the_layout_of_my_first_own_robot.rviz."
+    assert notice.evaluate("notice => notice.scrollWidth <= notice.clientWidth")
+    status = bench.page.locator(".course-line").first
+    assert status.evaluate("status => status.clientWidth") > 60
+
+
 @pytest.mark.slow
 def test_malformed_panel_command_is_reported_in_the_status_line(bench: Bench) -> None:
     bench.widget.link.receive({"type": "desk", "act": "SetValue", "row": "nowhere", "value": 1})

@@ -23,7 +23,7 @@ const LEVELS = [
 // How many times longer a picture of each level is expected to take than one of the next coarser level.
 const RATIOS = [4, 2, 1.7, 1.8, 1.8];
 const BUDGET = 14; // [ms] per picture; half of a page's time remains for the page itself
-const BUSY = 24; // [ms] usual time of a picture on a busy machine; with the page's own work, this gives 30 pictures per second
+const BUSY = 18; // [ms] usual time of a picture on a busy machine; with as much for the page, this gives 28 pictures per second
 const CHEAP = 4; // [ms] least time of a picture that would not become much cheaper
 const MUCH_TOO_LONG = 2.5; // multiple of BUDGET from which on two levels are skipped in one step, or a trial ends early
 const MOVING = 900; // [ms] maximum time between two pictures of a motion; busy machines draw two per second
