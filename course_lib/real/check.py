@@ -303,7 +303,7 @@ def _check_task(
 
 
 def are_equal_in_value(comparisons: Sequence[TopicComparison]) -> bool:
-    """Return whether all messages are those of the kit except for their stamps, and few are missing."""
+    """Return whether all messages equal the kit's except for their stamps, and few are missing."""
     return bool(comparisons) and all(
         one.equal == one.pairs and one.in_ros >= MIN_SHARE * one.in_kit > 0 for one in comparisons
     )

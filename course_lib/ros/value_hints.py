@@ -431,7 +431,7 @@ def _keeps_message(callback: ast.FunctionDef, name: str) -> bool:
         for node in ast.walk(callback)
         if isinstance(node, ast.Assign) and name in map(ast.unparse, node.targets)
     ]
-    # Other functions than those of numpy and conversions may return None.
+    # Functions may return None, except functions of numpy and conversions.
     part = rf"(?:np\.\w+\(|float\(|list\()?{parameters[-1]}\b[\w.\[\]]*\)?"
     return any(re.fullmatch(part, value) for value in values)
 

@@ -538,7 +538,7 @@ def _colors(part: Any) -> Float32s:
     """
     visual, colors = part.visual, _PLAIN
     if visual.kind == "texture":
-        # OBJ has simple materials, and DAE those of physically based rendering.
+        # OBJ has simple materials, DAE has materials for physically based rendering.
         material = visual.material
         image = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
         if image is not None and visual.uv is not None:

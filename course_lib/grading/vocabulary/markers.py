@@ -458,7 +458,7 @@ def resolve_check(check: Check, personal: Mapping[str, Any]) -> ResolvedCheck:
     return ResolvedCheck(check.origin.check_function, arguments, check.weight, is_personal(raw_arguments))
 
 
-# The comparison of a marker by check function; motion.py adds that of a circle.
+# The comparison of a marker by check function; motion.py adds the comparison with a circle.
 FINDERS: dict[str, Find] = {}
 
 

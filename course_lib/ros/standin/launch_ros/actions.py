@@ -63,7 +63,7 @@ class SetParameter(DataAction):
     value: Any
 
     def execute(self, context: LaunchContext) -> None:
-        """Add the parameter to those of the group."""
+        """Add the parameter to the parameters of the group."""
         _add(context, PARAMETERS, {text_of(context, self.name): evaluate_value(context, self.value)})
 
 
@@ -85,7 +85,7 @@ class SetUseSimTime(DataAction):
     value: bool | Some
 
     def execute(self, context: LaunchContext) -> None:
-        """Add the parameter to those of the group."""
+        """Add the parameter to the parameters of the group."""
         _add(context, PARAMETERS, {"use_sim_time": as_bool(context, self.value)})
 
 
@@ -97,7 +97,7 @@ class SetRemap(DataAction):
     dst: Some
 
     def execute(self, context: LaunchContext) -> None:
-        """Add the rule to those of the group."""
+        """Add the rule to the remapping rules of the group."""
         _add(context, _REMAPS, (text_of(context, self.src), text_of(context, self.dst)))
 
 

@@ -143,7 +143,7 @@ def parameter_dict_from_yaml_file(
     target_nodes: list[str] | None = None,
     namespace: str = "",
 ) -> dict[str, ParameterMsg]:
-    """Read a parameter file for `target_nodes`, whose names are those in the file, or for all nodes.
+    """Read a parameter file for `target_nodes`, spelled as in the file, or for all nodes.
 
     PyYAML reads it, whose rules differ from the rules of rcl for `--params-file`.
 

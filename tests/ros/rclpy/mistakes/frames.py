@@ -131,7 +131,7 @@ FRAMES = [
     (
         "transform('map', 'base_link', 1).header.child_frame_id = 'base_link'",
         "AttributeError: 'Header' object has no attribute 'child_frame_id'",
-        "child_frame_id is a field of the TransformStamped itself, beside its header: "
+        "child_frame_id is a field of the TransformStamped itself, next to its header: "
         "`transform.child_frame_id = 'base_link'`.",
     ),
     (
@@ -149,7 +149,7 @@ FRAMES = [
         "Buffer().can_transform('map', 'base_link')",
         "TypeError: Buffer.can_transform() missing 1 required positional argument: 'time'",
         "can_transform also needs a time: `self.buffer.can_transform('map', 'base_link', "
-        "Time())` asks for the newest transform.",
+        "Time())` requests the newest transform.",
     ),
     (
         "import tf2_geometry_msgs\n"

@@ -172,7 +172,7 @@ def _is_valid_value(value: object, kind: type | None) -> bool:
     return isinstance(value, kind) and not (kind is int and isinstance(value, bool))
 
 
-# Names in Python's launch files, with those of the files in words.
+# Names in Python's launch files, with the names in XML and YAML files.
 NAMES_IN_PYTHON = {
     "package": "pkg",
     "executable": "exec",
