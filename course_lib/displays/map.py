@@ -100,7 +100,19 @@ class MapDisplay(DrawnDisplay):
 
     def process(self, message: Any) -> None:
         """Show a map. A map that RViz rejects leaves the previous one in place."""
-        level, text = _map_status(message)
+        info, size = message.info, len(message.data)
+        # RViz has no status for a map without data.
+        level: Level
+        level, text = "error", ""
+        if size and not np.isfinite([info.resolution, *pose_numbers([info.origin])[0]]).all():
+            text = INVALID
+        elif size and not info.width * info.height:
+            text = f"Map is zero-sized ({info.width}x{info.height})"
+        elif size and info.width * info.height != size:
+            wrong = f"width = {info.width}, height = {info.height}, data size = {size}"
+            text = f"Data size doesn't match width*height: {wrong}"
+        elif size:
+            level, text = "ok", "Map OK"
         self.statuses.hint(
             "Map", *([] if text else ["the map has no cells: RViz draws nothing, without a status."])
         )
@@ -109,7 +121,7 @@ class MapDisplay(DrawnDisplay):
         if not text or level == "error":
             return
         self.statuses.set("ok", "Message", "Map received")
-        self._map, info = message, message.info
+        self._map = message
         self._cells = np.array(message.data, np.int8).view(np.uint8).reshape(info.height, info.width)
         origin = tuple(pose_numbers([info.origin])[0].tolist())
         map_info = (float(info.resolution), info.width, info.height, origin[:3], origin[3:])
@@ -165,18 +177,3 @@ class MapDisplay(DrawnDisplay):
         self._cells[update.y : update.y + update.height, update.x : update.x + update.width] = part
         self.statuses.set("ok", "Update", "Update OK")
         self.draw()
-
-
-def _map_status(message: Any) -> tuple[Level, str]:
-    """Return RViz's status of a nav_msgs/msg/OccupancyGrid; the text is empty for a map without data."""
-    info, size = message.info, len(message.data)
-    if not size:
-        return "error", ""
-    if not np.isfinite([info.resolution, *pose_numbers([info.origin])[0]]).all():
-        return "error", INVALID
-    if not info.width * info.height:
-        return "error", f"Map is zero-sized ({info.width}x{info.height})"
-    if info.width * info.height != size:
-        wrong = f"width = {info.width}, height = {info.height}, data size = {size}"
-        return "error", f"Data size doesn't match width*height: {wrong}"
-    return "ok", "Map OK"

@@ -228,7 +228,7 @@ def _play_bag(source: Source, arguments: Namespace, write: Write) -> None:
             events = [
                 (s.stamp_ns - start_ns, publishers[s.topic, s.type_name, s.qos], s.cdr) for s in samples
             ]
-            _play(source, arguments, write, _Player(graph, node, events, arguments.rate))
+            _Player(graph, node, events, arguments.rate).play(source, arguments, write)
     finally:
         graph.remove_node(node)
 
@@ -245,16 +245,28 @@ class _Player:
     ) -> None:
         self._graph, self._node, self._events, self._rate = graph, node, events, rate
 
-    def play(self, source: Source) -> None:
-        """Publish all events, until the end of the run or an interrupt."""
-        self._start_ns, self._remaining = self._graph.now_ns, deque(self._events)
-        self._schedule()
-        try:
-            source.wait(lambda: not self._remaining, None)
-            if not self._graph.ended:
-                source.wait(lambda: False, GRACE)
-        finally:
-            self._remaining.clear()
+    def play(self, source: Source, arguments: Namespace, write: Write) -> None:
+        """Play once, or in a loop until ■. Without a page, the loop ends after a fixed time."""
+        graph, limit = self._graph, source.limit()
+        zero_ns = graph.now_ns
+        while True:
+            if arguments.delay:
+                delay_ns = round(arguments.delay * 1e9)
+                write(log_line(PLAYER, graph.now_ns, f"Sleep {delay_ns} ns"))
+                source.wait(lambda: False, arguments.delay)
+            self._start_ns, self._remaining = graph.now_ns, deque(self._events)
+            self._schedule()
+            try:
+                source.wait(lambda: not self._remaining, None)
+                if not graph.ended:
+                    source.wait(lambda: False, GRACE)
+            finally:
+                self._remaining.clear()
+            if not arguments.loop or graph.ended:
+                return
+            if limit is not None and graph.now_ns - zero_ns >= limit * 1e9:
+                write(f"No page is watching: ros2 bag play stopped after {limit:g} s of robot time.\n")
+                return
 
     def _schedule(self) -> None:
         if self._remaining:
@@ -266,23 +278,6 @@ class _Player:
             _, publisher, cdr = self._remaining.popleft()
             self._graph.publish(publisher, cdr)
             self._schedule()
-
-
-def _play(source: Source, arguments: Namespace, write: Write, player: _Player) -> None:
-    """Play once, or in a loop until ■. Without a page, the loop ends after a fixed time."""
-    graph, limit = source.graph, source.limit()
-    zero_ns = graph.now_ns
-    while True:
-        if arguments.delay:
-            delay_ns = round(arguments.delay * 1e9)
-            write(log_line(PLAYER, graph.now_ns, f"Sleep {delay_ns} ns"))
-            source.wait(lambda: False, arguments.delay)
-        player.play(source)
-        if not arguments.loop or graph.ended:
-            return
-        if limit is not None and graph.now_ns - zero_ns >= limit * 1e9:
-            write(f"No page is watching: ros2 bag play stopped after {limit:g} s of robot time.\n")
-            return
 
 
 def _selected_samples(
