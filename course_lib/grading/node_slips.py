@@ -51,8 +51,7 @@ def find_slip(source: str) -> str:
         if isinstance(outer, ast.ClassDef):
             for slip in (
                 *_repeated_timers(outer),
-                *_destructive_callbacks(outer),
-                *_generators(outer),
+                *_odd_callbacks(outer),
                 *_misspelled_attributes(outer),
                 *_uncalled_methods(outer),
                 *_fields_of_node(outer),
@@ -337,16 +336,6 @@ def _fields_of(kind: str) -> frozenset[str]:
     return frozenset(field.name for name in types for field in definition(name).fields)
 
 
-def _generators(cls: ast.ClassDef) -> Iterator[str]:
-    """Yield a sentence for each callback that is a generator: calling it does not run its code."""
-    for function in callbacks_of(cls):
-        if any(isinstance(node, ast.Yield | ast.YieldFrom) for node in ast.walk(function)):
-            yield (
-                f"yield makes {function.name} a generator, so that a call runs none of its lines: "
-                "leave yield out."
-            )
-
-
 def _misspelled_attributes(cls: ast.ClassDef) -> Iterator[str]:
     """Yield a sentence for each attribute that is only set and resembles one that is only read."""
     read: set[str] = set()
@@ -469,9 +458,14 @@ _ENDINGS = {
 }
 
 
-def _destructive_callbacks(cls: ast.ClassDef) -> Iterator[str]:
-    """Yield a sentence for each callback that ends its node, its timer or its publisher."""
+def _odd_callbacks(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each callback that is a generator, or ends its node, timer or publisher."""
     for function in callbacks_of(cls):
+        if any(isinstance(node, ast.Yield | ast.YieldFrom) for node in ast.walk(function)):
+            yield (
+                f"yield makes {function.name} a generator, so that a call runs none of its lines: "
+                "leave yield out."
+            )
         if "create_timer" in ast.unparse(function):
             continue
         # A call in an if or a try is meant for a certain moment.

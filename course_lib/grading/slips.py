@@ -44,15 +44,12 @@ def function_slips(function: Function, attributes: set[str]) -> Iterator[str]:
         yield from _overwritten_components(block)
         yield from _late_assignments(block)
         yield from _loops(block, function.name)
-        yield from _reused_objects(block)
-        yield from _shared_components(block)
-        yield from _lost_loop_values(block)
-        yield from _shrinking_loops(block)
+        yield from _shared_objects(block)
+        yield from _loops_over_changed_lists(block)
         yield from _unreachable(block)
         yield from _late_settings(block)
         yield from _shared_lists(block, function)
-    yield from _odd_operators(function)
-    yield from _constant_conditions(function)
+    yield from _odd_conditions(function)
     yield from _replaced_parameters(function)
     yield from _odd_calls(function)
     yield from _shared_defaults(function)
@@ -322,28 +319,12 @@ def _late_settings(block: Sequence[ast.stmt]) -> Iterator[str]:
         )
 
 
-def _reused_objects(block: Sequence[ast.stmt]) -> Iterator[str]:
+def _shared_objects(block: Sequence[ast.stmt]) -> Iterator[str]:
+    """Yield a sentence for each object that a loop appends to a list, or assigns to all its items."""
     for index, loop in enumerate(block):
         if not isinstance(loop, ast.For):
             continue
-        created = dict(filter(lambda found: found[0], map(created_object, block[:index])))
-        inside = {created_object(node)[0] for node in ast.walk(loop) if isinstance(node, ast.stmt)}
-        for node in ast.walk(loop):
-            match node:
-                case ast.Call(func=ast.Attribute(attr="append"), args=[ast.Name(id=name)]) if (
-                    name in created and name not in inside
-                ):
-                    yield (
-                        f"{name} is a single {created[name]}, created before the loop: the list "
-                        "contains the same object several times. Create it inside the loop."
-                    )
-
-
-def _shared_components(block: Sequence[ast.stmt]) -> Iterator[str]:
-    """Yield a sentence for each object that a loop changes and assigns to all its items."""
-    for index, loop in enumerate(block):
-        if not isinstance(loop, ast.For) or any(_published_variable(node) for node in ast.walk(loop)):
-            continue
+        is_published = any(_published_variable(node) for node in ast.walk(loop))
         created = dict(filter(lambda found: found[0], map(created_object, block[:index])))
         inside = {created_object(node)[0] for node in ast.walk(loop) if isinstance(node, ast.stmt)}
         filled = {
@@ -353,21 +334,25 @@ def _shared_components(block: Sequence[ast.stmt]) -> Iterator[str]:
         }
         for node in ast.walk(loop):
             match node:
-                case ast.Assign(targets=[ast.Attribute(attr=part)], value=ast.Name(id=name)):
-                    pass
-                case ast.keyword(arg=str(part), value=ast.Name(id=name)):
-                    pass
-                case _:
-                    continue
-            if name in filled - inside:
-                yield (
-                    f"{name} is a single {created[name]}, created before the loop: the {part} of "
-                    "each item is this object, with the last values. Create it inside the loop."
-                )
+                case ast.Call(func=ast.Attribute(attr="append"), args=[ast.Name(id=name)]) if (
+                    name in created and name not in inside
+                ):
+                    yield (
+                        f"{name} is a single {created[name]}, created before the loop: the list "
+                        "contains the same object several times. Create it inside the loop."
+                    )
+                case (
+                    ast.Assign(targets=[ast.Attribute(attr=str(part))], value=ast.Name(id=name))
+                    | ast.keyword(arg=str(part), value=ast.Name(id=name))
+                ) if name in filled - inside and not is_published:
+                    yield (
+                        f"{name} is a single {created[name]}, created before the loop: the {part} of "
+                        "each item is this object, with the last values. Create it inside the loop."
+                    )
 
 
-def _lost_loop_values(block: Sequence[ast.stmt]) -> Iterator[str]:
-    """Yield a sentence for each loop that sets its variable, in order to change the list."""
+def _loops_over_changed_lists(block: Sequence[ast.stmt]) -> Iterator[str]:
+    """Yield a sentence for each loop that sets its variable to change the list, or removes items from it."""
     for index, loop in enumerate(block):
         match loop:
             case ast.For(
@@ -379,25 +364,20 @@ def _lost_loop_values(block: Sequence[ast.stmt]) -> Iterator[str]:
                     f"{quote(last)} sets the variable of the loop, and {items} stays as it is. "
                     f"Write {items} = [{ast.unparse(value)} for {name} in {items}]."
                 )
-
-
-def _shrinking_loops(block: Sequence[ast.stmt]) -> Iterator[str]:
-    """Yield a sentence for each loop over a list from which it removes items."""
-    for loop in block:
         if not isinstance(loop, ast.For) or not isinstance(loop.iter, ast.Name | ast.Attribute):
             continue
         items = ast.unparse(loop.iter)
         for part in ast.walk(loop):
             body = getattr(part, "body", None)
             statements: list[ast.stmt] = body if isinstance(body, list) else []
-            for index, statement in enumerate(statements):
+            for place, statement in enumerate(statements):
                 match statement:
                     case ast.Expr(
                         value=ast.Call(func=ast.Attribute(value=changed, attr="remove" | "pop"))
                     ) if (
                         ast.unparse(changed) == items
                         # A loop that ends with the removal skips nothing.
-                        and not any(isinstance(later, ast.Break | ast.Return) for later in statements[index:])
+                        and not any(isinstance(later, ast.Break | ast.Return) for later in statements[place:])
                     ):
                         yield (
                             f"{quote(statement)} changes {items} during the loop over it, which "
@@ -703,7 +683,8 @@ def find_hidden_error(source: str) -> str:
     return ""
 
 
-def _odd_operators(function: Function) -> Iterator[str]:
+def _odd_conditions(function: Function) -> Iterator[str]:
+    """Yield a sentence for each condition that is true, or false, for all values, and for odd operators."""
     for node in ast.walk(function):
         match node:
             case ast.BinOp(left=ast.Constant(value=1), op=ast.FloorDiv()):
@@ -713,12 +694,6 @@ def _odd_operators(function: Function) -> Iterator[str]:
             ) if isinstance(value, str | int | float) and not isinstance(value, bool):
                 sign = "==" if isinstance(operator, ast.Is) else "!="
                 yield f"{quote(node)} tests whether both are the same object: compare values with {sign}."
-
-
-def _constant_conditions(function: Function) -> Iterator[str]:
-    """Yield a sentence for each condition that is true, or false, for all values."""
-    for node in ast.walk(function):
-        match node:
             case ast.BoolOp(op=ast.Or(), values=[ast.Compare() as first, *others]) if fixed := [
                 operand for operand in others if isinstance(operand, ast.Constant) and operand.value
             ]:
@@ -727,16 +702,16 @@ def _constant_conditions(function: Function) -> Iterator[str]:
                     f"{quote(node)} is always true, because {other} alone is true: compare it as "
                     f"well, {ast.unparse(first.left)} == {other}."
                 )
-            case ast.BoolOp(op=operator, values=[ast.Compare() as first, ast.Compare() as second]):
+            case ast.BoolOp(op=joined, values=[ast.Compare() as first, ast.Compare() as second]):
                 limits = _limits(first), _limits(second)
                 if None in limits or ast.unparse(first.left) != ast.unparse(second.left):
                     continue
                 (low, high), (other_low, other_high) = limits  # type: ignore[misc]  # None was excluded
-                if isinstance(operator, ast.And) and max(low, other_low) > min(high, other_high):
+                if isinstance(joined, ast.And) and max(low, other_low) > min(high, other_high):
                     subject = ast.unparse(first.left)
                     yield f'{quote(node)} is never true: {subject} cannot be both. Do you mean "or"?'
                 if (
-                    isinstance(operator, ast.Or)
+                    isinstance(joined, ast.Or)
                     and min(low, other_low) == -math.inf
                     and (max(high, other_high) == math.inf and max(low, other_low) <= min(high, other_high))
                 ):
