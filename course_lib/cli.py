@@ -853,8 +853,14 @@ def export(
 
 def main() -> None:
     """Run the command line. Print an error as one line with the next step."""
-    fix_hash_seed(sys.argv[1:])
-    arguments, for_programs = _split(sys.argv[1:])
+    words = sys.argv[1:]
+    fix_hash_seed(words)
+    # The arguments of a program follow `--` or begin at `--ros-args`.
+    starts = ("--", "--ros-args") if words[:1] == ["run"] else ("--",)
+    place = next((at for at, word in enumerate(words) if word in starts), len(words))
+    arguments, for_programs = words[:place], words[place:]
+    if for_programs[:1] == ["--"]:
+        del for_programs[0]
     debug = "--debug" in arguments
     try:
         code = app(args=arguments or ["--help"], obj=for_programs, standalone_mode=False, prog_name="course")
@@ -870,22 +876,11 @@ def main() -> None:
         _fail(f"{problem}. See: {context.command_path if context else ' '.join(command_words)} --help", debug)
     except OSError as error:
         # Errors of a write, as on a full disk, have no file name.
-        place = f"{error.filename}: " if error.filename else ""
-        _fail(f"{place}{error.strerror}. Correct this, or choose another file or folder.", debug)
+        file = f"{error.filename}: " if error.filename else ""
+        _fail(f"{file}{error.strerror}. Correct this, or choose another file or folder.", debug)
     except (KeyboardInterrupt, typer.Abort):
         sys.exit(usual_commands.INTERRUPTED)
     sys.exit(code or 0)
-
-
-def _split(arguments: list[str]) -> tuple[list[str], list[str]]:
-    """Split the command line into the command's own arguments and the arguments of its programs.
-
-    A program's arguments follow `--` or begin at `--ros-args`.
-    """
-    starts = ("--", "--ros-args") if arguments[:1] == ["run"] else ("--",)
-    place = next((at for at, word in enumerate(arguments) if word in starts), len(arguments))
-    program_arguments = arguments[place:]
-    return arguments[:place], program_arguments[program_arguments[:1] == ["--"] :]
 
 
 def _fail(message: str, debug: bool, exit_code: int = usual_commands.UNUSABLE) -> NoReturn:

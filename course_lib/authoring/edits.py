@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from course_lib.authoring.rehearsal import Rehearsal
 from course_lib.authoring.rules import Flaw
@@ -166,8 +165,11 @@ def read_answers(solutions: Path, week: str) -> Answers:
         tables = tomllib.loads(path.read_text(encoding="utf-8"))
     except ValueError as error:
         raise CourseError(f"{path}: {error}") from error
-    files = {name: _prefix_with_week(week, says) for name, says in tables.pop("files", {}).items()}
-    same = _prefix_with_week(week, tables.pop("same", {}))
+    files = {
+        name: {f"{week}.{task}": text for task, text in says.items()}
+        for name, says in tables.pop("files", {}).items()
+    }
+    same = {f"{week}.{task}": names for task, names in tables.pop("same", {}).items()}
     variants = []
     for task, row in ((f"{week}.{name}", row) for name, table in tables.items() for row in table):
         try:
@@ -177,10 +179,6 @@ def read_answers(solutions: Path, week: str) -> Answers:
             first_value = next(iter(row.values()), task) if isinstance(row, dict) else task
             raise CourseError(f"{location_of(path, str(first_value))}: {task}: {error}") from error
     return Answers(path, tuple(variants), files, same)
-
-
-def _prefix_with_week(week: str, table: Mapping[str, Any]) -> dict[str, Any]:
-    return {f"{week}.{name}": value for name, value in table.items()}
 
 
 def apply_changes(variant: Variant, name: str, cells: Sequence[str]) -> dict[int, str]:

@@ -113,20 +113,19 @@ def _last_samples(samples: Sequence[Sample]) -> list[Sample]:
     return [sample for sample in samples if sample.stamp_ns == samples[-1].stamp_ns]
 
 
-def _make_hollowing(name: str, change: Change) -> Hollowing:
-    return Hollowing(name, partial(_change_samples, change=change))
-
-
 ALL_THE_TIME = (
     "let these checks require messages all the time: "
     "check.requiring(expect_throughout(topic).worth(0)), or expect_topic(topic, type, at_least=5)"
 )
+CHANGES: dict[str, Change] = {
+    "headers only": partial(_reset_fields, names=()),
+    "types, names and headers only": partial(_reset_fields, names=NAMED),
+    "zeros for numbers": _zero_floats,
+    "invisible: alpha 0": partial(_zero_components, field="color", parts="a"),
+    "invisible: scale 0": partial(_zero_components, field="scale", parts="xyz"),
+}
 HOLLOWINGS = (
-    _make_hollowing("headers only", partial(_reset_fields, names=())),
-    _make_hollowing("types, names and headers only", partial(_reset_fields, names=NAMED)),
-    _make_hollowing("zeros for numbers", _zero_floats),
-    _make_hollowing("invisible: alpha 0", partial(_zero_components, field="color", parts="a")),
-    _make_hollowing("invisible: scale 0", partial(_zero_components, field="scale", parts="xyz")),
+    *(Hollowing(name, partial(_change_samples, change=change)) for name, change in CHANGES.items()),
     Hollowing("one message at the end", _last_samples, ALL_THE_TIME),
 )
 

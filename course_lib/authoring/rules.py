@@ -23,7 +23,7 @@ from course_lib.grading.evidence import Origin
 from course_lib.grading.inputs import build, personal_values
 from course_lib.grading.store import Course, catalog_of
 from course_lib.grading.submissions.notebook import CodeCell
-from course_lib.grading.task import Message, Scenario, Task
+from course_lib.grading.task import Scenario, Task
 from course_lib.ros.messages.definitions import definition
 
 # Keys of every cell and their types.
@@ -532,13 +532,17 @@ def input_flaws(week: str, course: Course) -> Iterator[Flaw]:
 def invalid_messages(task: Task, scenarios: Sequence[Scenario], path: Path) -> Iterator[Flaw]:
     """Yield a flaw for each input or expected message that does not match its type."""
     messages = [message for scenario in scenarios for message in scenario.inputs]
-    literals = dict.fromkeys(
-        problem
-        for row in range(count_options([task]))
-        for message in (*messages, *task.ghost)
-        if (problem := _problem(message, with_option(task, row)))
-    )
-    for text in literals:
+    problems = dict[str, None]()
+    for row in range(count_options([task])):
+        values = personal_values(with_option(task, row), None)
+        for message in (*messages, *task.ghost):
+            # For a service, these are the fields of the request.
+            suffix = "_Request" if "/srv/" in message.type_name else ""
+            try:
+                build(replace(message, type_name=f"{message.type_name}{suffix}"), values)
+            except CourseError as error:
+                problems[str(error)] = None
+    for text in problems:
         # In errors of Python and ROS, the last quoted name is the misspelled one.
         name = f'"{text.rsplit(chr(39), 2)[-2]}"' if text.count("'") > 1 else ""
         yield Flaw("fields", f"{task.id}: {text}", location_of(path, name))
@@ -559,17 +563,6 @@ def misspelled_topics(
         if parts.isdisjoint(names) and f"/{name}" not in IMPLICIT_TOPICS and similar_names:
             text = f"the solution does not use the input topic {topic!r}. Did you mean {similar_names[0]}?"
             yield Flaw("fields", f"{task.id}: {text}", location_of(path, f'"{topic}"'))
-
-
-def _problem(message: Message, task: Task) -> str:
-    # For a service, these are the fields of the request.
-    is_request = "/srv/" in message.type_name
-    type_name = f"{message.type_name}_Request" if is_request else message.type_name
-    try:
-        build(replace(message, type_name=type_name), personal_values(task, None))
-    except CourseError as error:
-        return str(error)
-    return ""
 
 
 def misspelled_names(

@@ -186,8 +186,12 @@ def _rewrite_links(text: str, folder: Path, place: Path) -> str:
 
     def adapt(link: re.Match[str]) -> str:
         before, path, after = link["before"], link["path"], link["after"]
-        target = (folder / path).resolve()
-        in_book = _path_in_book(target)
+        target, docs = (folder / path).resolve(), material_root() / "docs"
+        in_book = None
+        if target.parent == lessons_dir() and target.suffix == ".ipynb":
+            in_book = Path(LESSONS, target.name)
+        elif target.is_relative_to(docs) and target.exists():
+            in_book = target.relative_to(docs)
         if in_book is not None:
             return f"{before}{os.path.relpath(in_book, place).replace(os.sep, '/')}{after}"
         if target.exists() and before.startswith("["):
@@ -195,14 +199,6 @@ def _rewrite_links(text: str, folder: Path, place: Path) -> str:
         return link[0]
 
     return LINK.sub(adapt, text)
-
-
-def _path_in_book(target: Path) -> Path | None:
-    """Return the path of a project file in the book's sources, or None if it is not in the book."""
-    if target.parent == lessons_dir() and target.suffix == ".ipynb":
-        return Path(LESSONS, target.name)
-    docs = material_root() / "docs"
-    return target.relative_to(docs) if target.is_relative_to(docs) and target.exists() else None
 
 
 # Time limit of a cell [s].

@@ -3,7 +3,7 @@
 import base64
 import gzip
 import hashlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from html import escape
 from io import BytesIO
@@ -165,7 +165,11 @@ def compact(scene_bytes: bytes) -> tuple[bytes, dict[str, bytes]]:
     """
     content = msgpack.unpackb(scene_bytes, strict_map_key=False)
     shared: dict[str, bytes] = {}
-    meshes = list(_meshes(content))
+    commands = [
+        command for batch in content.get("batches", [content]) for command in batch.get("commands", ())
+    ]
+    objects = [command["object"] for command in commands if isinstance(command.get("object"), dict)]
+    meshes: list[Object] = [made for made in objects if made.get("kind") == "mesh"]
     max_faces = (
         FEWER_FACES if len({mesh_command["vertices"].data for mesh_command in meshes}) > MANY else MOST_FACES
     )
@@ -187,14 +191,6 @@ def script(content: bytes) -> bytes:
     """
     text = base64.b64encode(gzip.compress(content, 9, mtime=0)).decode()
     return f'document.currentScript.dataset.content="{text}";\n'.encode()
-
-
-def _meshes(content: Any) -> Iterator[Object]:
-    for batch in content.get("batches", [content]):
-        for command in batch.get("commands", ()):
-            mesh_command = command.get("object")
-            if isinstance(mesh_command, dict) and mesh_command.get("kind") == "mesh":
-                yield mesh_command
 
 
 # Height of a scene in the page [px].

@@ -270,7 +270,14 @@ def _check_manifest(file: Path, name: str) -> Iterator[str]:
     if (root.findtext("export/build_type") or "").strip() != "ament_python":
         yield "package.xml: <export><build_type>ament_python</build_type></export>"
     declared = {(element.text or "").strip() for element in root if element.tag.endswith("depend")}
-    ros, python_packages = dependencies(_imports(file.parent / name), name)
+    imported = set[str]()
+    for module in (file.parent / name).rglob("*.py"):
+        try:
+            tree = parse_python(read_text(module))
+        except SyntaxError as error:
+            raise CourseError(f"{module}, line {error.lineno}: {error.msg}. Correct it first.") from error
+        imported |= imported_modules(tree)
+    ros, python_packages = dependencies(imported, name)
     for tag, names in (("depend", ros), ("exec_depend", python_packages)):
         yield from (f"package.xml: <{tag}>{name}</{tag}>" for name in names if name not in declared)
 
@@ -302,14 +309,3 @@ def _check_setup_cfg(file: Path, name: str) -> Iterator[str]:
         for line in (f"script_dir=$base/lib/{name}", f"install_scripts=$base/lib/{name}")
         if line not in text
     )
-
-
-def _imports(folder: Path) -> set[str]:
-    names = set[str]()
-    for file in folder.rglob("*.py"):
-        try:
-            tree = parse_python(read_text(file))
-        except SyntaxError as error:
-            raise CourseError(f"{file}, line {error.lineno}: {error.msg}. Correct it first.") from error
-        names |= imported_modules(tree)
-    return names

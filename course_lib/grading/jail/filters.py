@@ -63,19 +63,17 @@ def prctl(operation: int, *arguments: int) -> None:
 
 def drop_capabilities() -> None:
     """Drop all capabilities of root or of a namespace's root, or raise an OSError."""
-    _set_capabilities((ctypes.c_uint32 * 6)())
+    header, none = (ctypes.c_uint32 * 2)(CAPABILITIES_3, 0), (ctypes.c_uint32 * 6)()
+    call_function("capset", ctypes.byref(header), ctypes.byref(none))
 
 
 def use_capabilities() -> None:
     """Make all permitted capabilities effective after a change of user, or raise an OSError."""
+    header = (ctypes.c_uint32 * 2)(CAPABILITIES_3, 0)
     sets = (ctypes.c_uint32 * 6)()  # effective, permitted, inheritable; twice, for low and high numbers
-    call_function("capget", ctypes.byref((ctypes.c_uint32 * 2)(CAPABILITIES_3, 0)), ctypes.byref(sets))
+    call_function("capget", ctypes.byref(header), ctypes.byref(sets))
     sets[0], sets[3] = sets[1], sets[4]
-    _set_capabilities(sets)
-
-
-def _set_capabilities(sets: Any) -> None:
-    call_function("capset", ctypes.byref((ctypes.c_uint32 * 2)(CAPABILITIES_3, 0)), ctypes.byref(sets))
+    call_function("capset", ctypes.byref(header), ctypes.byref(sets))
 
 
 CREATE, ADD_RULE, RESTRICT = 444, 445, 446  # system call numbers

@@ -172,7 +172,11 @@ def select_readable(
     existing = [path for path in dict.fromkeys(needed_paths) if os.path.exists(path)]
     real_paths = map(os.path.realpath, forbidden_paths)
     course = [path for path in real_paths if not _contains(HANDED_OUT, path)]
-    shared = _package_folders(folders)
+    # Folders with packages that the kit may not need, including folders of other interpreters.
+    shared = [path for path in folders if os.path.basename(path) in PACKAGE_FOLDERS]
+    shared += [os.path.join(folder, name) for folder in folders for name in PACKAGE_FOLDERS]
+    shared += glob.glob("/usr/lib*/python*/*-packages")
+    shared = list(map(os.path.realpath, shared))
     handed_out = [HANDED_OUT] * os.path.exists(HANDED_OUT)
     paths, conflict = set[str](), ""
     for path in map(os.path.realpath, existing):
@@ -206,14 +210,6 @@ def symlinks_along(path: str) -> Iterator[tuple[str, str]]:
             yield prefix, target
             prefix, components = os.path.dirname(prefix), [*target.split("/"), *components]
             prefix = "/" if target.startswith("/") else prefix
-
-
-def _package_folders(folders: Collection[str]) -> list[str]:
-    """Return folders with packages that the kit may not need, including folders of other interpreters."""
-    inside = [os.path.join(folder, name) for folder in folders for name in PACKAGE_FOLDERS]
-    system_folders = glob.glob("/usr/lib*/python*/*-packages")
-    package_folders = [path for path in folders if os.path.basename(path) in PACKAGE_FOLDERS]
-    return [os.path.realpath(path) for path in (*package_folders, *inside, *system_folders)]
 
 
 def _contains(folder: str, path: str) -> bool:
@@ -263,11 +259,6 @@ class JailEnvironment:
     scratch: str
     read: tuple[str, ...]
     listed: tuple[str, ...] = ()
-
-    @property
-    def owner(self) -> int:
-        """The owner of files that submissions write."""
-        return self.number if self.user == "another" else os.geteuid()
 
 
 def settle(
@@ -335,7 +326,8 @@ def _try_in_fork(layer: Callable[[], object]) -> bytes:
 
 def _move(place: JailEnvironment, read: Sequence[str], links: Sequence[tuple[str, str]]) -> None:
     if place.root == "host":
-        os.chown(place.scratch, place.owner, -1)
+        # The owner of files that submissions write.
+        os.chown(place.scratch, place.number if place.user == "another" else os.geteuid(), -1)
     user = place.number
     if place.user == "real":
         # The owner of new files is unchanged, but the kernel counts processes of the real user.

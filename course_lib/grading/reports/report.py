@@ -345,22 +345,19 @@ def _find_reports(
     for result in results:
         platform_file = names_by_result[id(result)]
         name = _report_name(result, platform_file, form)
-        if why := _exclusion_reason(result, shared[result.exercise, name], name):
+        count, status = shared[result.exercise, name], result.row.status
+        why = "" if status in FINAL else f"it is {status}"
+        if not EXERCISE.fullmatch(result.exercise):
+            why = "it is not an exercise of this course"
+        elif not name:
+            why = "the platform's download does not have it"
+        elif count > 1:
+            why = f"{count} results have the platform's number of this student"
+        if why:
             lines.append(f"left out: {result.student} {result.exercise}: {why}")
         elif platform_file:
             ready[result.exercise][name] = (result.result, platform_file)
     return lines, ready
-
-
-def _exclusion_reason(result: MarkedResult, count: int, name: str) -> str:
-    """Return why a report is not returned, or ""."""
-    if not EXERCISE.fullmatch(result.exercise):
-        return "it is not an exercise of this course"
-    if not name:
-        return "the platform's download does not have it"
-    if count > 1:
-        return f"{count} results have the platform's number of this student"
-    return "" if result.row.status in FINAL else f"it is {result.row.status}"
 
 
 def _report_name(result: MarkedResult, platform_file: PlatformName | None, form: Format) -> str:

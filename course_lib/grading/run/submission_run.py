@@ -147,7 +147,7 @@ class WorkerProcess:
         imports = [module for word, module in HEAVY.items() if any(word in cell for cell in cells)]
         connection, output = template.start(limits, imports)
         self.channel = remote.Channel(connection)
-        self._output = Output(output, round(limits.output_kilobytes * 1000))
+        self.output = Output(output, round(limits.output_kilobytes * 1000))
         self.waiting = WaitingTime(template.pid, limits.cell_seconds)  # from the start of the worker
         self.channel.overtime = self.waiting.extend
         self.allow(START_SECONDS)
@@ -156,7 +156,7 @@ class WorkerProcess:
         except remote.ChannelError as error:
             problem = [str(error)]
         if problem != [""]:
-            worker_output = self.take_output()
+            worker_output = self.output.take()
             self.close()
             raise WorkerError(f"a worker can't be put into the jail: {problem} {worker_output}")
 
@@ -164,15 +164,11 @@ class WorkerProcess:
         """Set the time [s] in which the worker must answer, excluding waiting for a processor."""
         self.channel.deadline = wall.monotonic() + seconds
 
-    def take_output(self) -> str:
-        """Return the text printed since the last call."""
-        return self._output.take()
-
     def close(self) -> None:
         """Kill the worker and all processes it has started; its scratch folder is deleted."""
         self.usage, self.excess = self._template.stop()
         self.channel.close()
-        self._output.close()
+        self.output.close()
 
 
 class Output:
@@ -310,7 +306,7 @@ class SubmissionRun:
         self.usage += Usage(scenarios={f"{task.id}/{scenario.name}": outcome.cpu_seconds})
         if stopped == "time":
             self._hung_tasks.add(task.id)
-        output = worker.take_output()
+        output = worker.output.take()
         if self._worker is None:
             self._end(worker)
             if worker.excess:
@@ -358,7 +354,7 @@ class SubmissionRun:
                     case ["cell", int(index)] if current < index < len(self._cells):
                         current = index
                     case ["ran", list(errors)]:
-                        output = worker.take_output()
+                        output = worker.output.take()
                         if not log.is_complete:
                             log.output, log.errors, log.is_complete = output, _limit_texts(errors), True
                             log.limit = log.limit or find_exceeded_limit(log.errors)
@@ -372,7 +368,7 @@ class SubmissionRun:
                 # The time expired during the start of the worker.
                 return False
             if current < 0:
-                raise WorkerError(f"a worker does not start: {worker.take_output() or error}") from error
+                raise WorkerError(f"a worker does not start: {worker.output.take() or error}") from error
             # Only then it is known whether the template has killed the worker.
             self.close()
             match error:

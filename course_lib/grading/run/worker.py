@@ -158,10 +158,12 @@ class Worker:
         try:
             result = self._shell.run_cell(cell)
             error = result.error_before_exec or result.error_in_exec
-            if isinstance(result.error_before_exec, MemoryError | RecursionError) and _has_memory():
-                # Python raises these errors for a cell that is nested too deeply; no limit was
-                # reached.
-                error = SyntaxError(f"{TOO_DEEP}. This cell was not run")
+            if isinstance(result.error_before_exec, MemoryError | RecursionError):
+                # If enough memory is left for a compiler, no limit was reached: Python raises these
+                # errors for a cell that is nested too deeply.
+                with suppress(MemoryError):
+                    bytearray(SPARE)
+                    error = SyntaxError(f"{TOO_DEEP}. This cell was not run")
         except Exception as stumble:
             # Student code can break IPython itself.
             error = stumble
@@ -228,15 +230,6 @@ def write_files(files: dict[str, str | bytes]) -> None:
     if any(Path(name).name == MANIFEST for name in files):
         # Cells import message packages, but a grading process does not search its working folder.
         prepend_paths("ROS_PACKAGE_PATH", [Path.cwd()])
-
-
-def _has_memory() -> bool:
-    """Return whether enough memory is left for a compiler."""
-    try:
-        bytearray(SPARE)
-    except MemoryError:
-        return False
-    return True
 
 
 def _flush() -> None:

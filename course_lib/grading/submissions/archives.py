@@ -245,8 +245,13 @@ class ReceivedFileReader:
             except CourseError as error:
                 self.reject("/".join(parts), str(error))
                 continue
+            try:
+                time = datetime(*info.date_time)
+            except ValueError:
+                # The time stamp is invalid, such as month 0 or hour 31.
+                time = datetime(1980, 1, 1)
             if (content := self._limit_content(parts, data)) is not None:
-                yield ReceivedFile(parts, content, _time(info))
+                yield ReceivedFile(parts, content, time)
 
     def _unpack(
         self,
@@ -343,14 +348,6 @@ def _member_name(info: zipfile.ZipInfo) -> str:
         return name.encode("cp437").decode()
     except UnicodeError:
         return name
-
-
-def _time(info: zipfile.ZipInfo) -> datetime:
-    try:
-        return datetime(*info.date_time)
-    # The time stamp is invalid, such as month 0 or hour 31.
-    except ValueError:
-        return datetime(1980, 1, 1)
 
 
 def _is_junk(name: str) -> bool:

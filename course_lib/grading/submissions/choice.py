@@ -205,7 +205,10 @@ def _choose_for_owner(
     missing = sorted(expected_exercises - {item.exercise for item in kept_items} - {ANY, ""})
     for name in missing if not kept_items else ():
         reasons = [f"{file.name}: {file.reason}" for file in rejected_files]
-        reasons += [f"{item.download_name.below[-1]}: {_exclusion_reason(item, name)}" for item in set_aside]
+        for item in set_aside:
+            state = "" if item.is_touched else ", as it was released"
+            why = item.problem or f"it is {item.exercise}{state}, not {name}"
+            reasons.append(f"{item.download_name.below[-1]}: {why}")
         reasons += [
             f"{item.download_name.below[-1]}: a file without a notebook"
             for item in items
@@ -229,13 +232,6 @@ def _expected_exercise(download_name: readers.DownloadName, exercise: str) -> st
         if download_name.assignment and exercise in ("", download_name.assignment)
         else exercise
     )
-
-
-def _exclusion_reason(item: DownloadedFile, expected: str) -> str:
-    if item.problem:
-        return item.problem
-    state = "" if item.is_touched else ", as it was released"
-    return f"it is {item.exercise}{state}, not {expected}"
 
 
 def _lines(items: Iterable[DownloadedFile], exercise: str) -> list[str]:

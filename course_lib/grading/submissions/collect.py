@@ -131,7 +131,7 @@ class Exports:
         """Return the time of submission and its source: the export or platform."""
         keys = (download_name.key, *download_name.keys)
         known_times = (
-            (table.find_time(key, download_name.attachment), table.source)
+            (table.by_attachment.get(download_name.attachment) or table.by_number.get(key), table.source)
             for table in self.times
             for key in keys
         )
@@ -365,17 +365,15 @@ def _read_exports(
         collection.notes.add(
             f"note: student IDs are from the column {heading!r} of {roster.name}{without_times}"
         )
-    collection.notes |= {_time_note(table, zone) for table in time_tables}
+    for table in time_tables:
+        note = f"note: times are from {table.source}, interpreted as {zone.key}"
+        if table.unread:
+            note = printable(
+                f"note: {table.source}: times like {table.unread!r} can't be read and are ignored. Set the "
+                f"site to another language or calendar and export again, or write the times into {LIST}"
+            )
+        collection.notes.add(note)
     return Exports(ids, [table for table in time_tables if not table.unread])
-
-
-def _time_note(times: Times, zone: ZoneInfo) -> str:
-    if not times.unread:
-        return f"note: times are from {times.source}, interpreted as {zone.key}"
-    return printable(
-        f"note: {times.source}: times like {times.unread!r} can't be read and are ignored. Set the "
-        f"site to another language or calendar and export again, or write the times into {LIST}"
-    )
 
 
 def _reject_collisions(files: Iterable[readers.DownloadName], exports: Exports) -> None:

@@ -258,22 +258,15 @@ def compare(
     for solution_lines, members in _group_equal(lines).items():
         if len(solution_lines) >= MIN_LINES:
             pairs += _pairs_of_equal_solutions(members)
-    pairs += _text_pairs(texts or {})
-    return Comparison(_clusters(pairs), limit, median)
-
-
-def _text_pairs(texts: Mapping[str, frozenset[str]]) -> Iterator[Pair]:
-    """Yield pairs of students with the same long string.
-
-    A string that many have is from another source.
-    """
     owners = defaultdict[str, list[str]](list)
-    for student, texts_of_student in texts.items():
+    for student, texts_of_student in (texts or {}).items():
         for text in texts_of_student:
             owners[text].append(student)
     for students in owners.values():
-        if len(students) <= max(FEW, COMMON * len(texts)):
-            yield from _pairs_of_equal_solutions(students)
+        # A string that many students have is from another source.
+        if len(students) <= max(FEW, COMMON * len(texts or ())):
+            pairs += _pairs_of_equal_solutions(students)
+    return Comparison(_clusters(pairs), limit, median)
 
 
 def _group_equal(solutions: Mapping[str, Own]) -> dict[Own, list[str]]:

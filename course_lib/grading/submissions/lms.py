@@ -76,7 +76,10 @@ def fill_lms(
         ids = {row: key for row, key in ids.items() if key in students}
         if not marks or not ids:
             raise CourseError(f"{lms} or gradebook.csv has no student of this section in {exercise}")
-    marks = {key: _cap(mark, mark_column, max_points) for key, mark in marks.items()} if cap else marks
+    for mark in (mark for mark in marks.values() if cap and mark["status"] in FINAL):
+        # The limit is the platform's maximum or, without one, the exercise's maximum.
+        limit = max(max_points) if max_points else float(mark["max_score"])
+        mark[mark_column] = str(min(float(mark[mark_column]), limit))
     unfilled = _fill(file, place, ids, marks, mark_column)
     if len(unfilled) == len(ids):
         raise CourseError(NO_MARK.format(id_column, lms.name, exercise, next(iter(marks))))
@@ -191,14 +194,6 @@ def _maxima(file: LmsFile, place: int) -> set[float]:
         next_column = {file.text(row, place + 1) for row in rows if any(file.rows[row])}
         maxima = next_column if len(next_column) == 1 else set()
     return {float(text.replace(",", ".")) for text in maxima if re.fullmatch(r"\d+([.,]\d+)?", text)}
-
-
-def _cap(mark: dict[str, str], column: str, maxima: set[float]) -> dict[str, str]:
-    """Return a mark limited to the platform's maximum or, without one, the exercise's maximum."""
-    if mark["status"] not in FINAL:
-        return mark
-    limit = max(maxima) if maxima else float(mark["max_score"])
-    return {**mark, column: str(min(float(mark[column]), limit))}
 
 
 def _points_lines(there: set[float], marks: Iterable[dict[str, str]], column: str) -> list[str]:

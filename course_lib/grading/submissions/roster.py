@@ -297,10 +297,6 @@ class Times:
     users: Mapping[str, str] = field(default_factory=dict)
     unread: str = ""
 
-    def find_time(self, number: str, attachment: str) -> datetime | None:
-        """Return the time of submission of a file, or None if the export lacks it."""
-        return self.by_attachment.get(attachment) or self.by_number.get(number)
-
 
 def read_ids(path: Path, id_column: str, numbers: Collection[str]) -> tuple[dict[str, str], str]:
     """Return the students' IDs by platform number, and the heading of the ID column.

@@ -766,13 +766,12 @@ def _platform_numbers(top: Path) -> frozenset[str]:
     except (OSError, csv.Error):
         # Reading the times from the same file reports the error.
         return frozenset()
-    return frozenset(_folder(row.get("file") or "") for row in rows)
-
-
-def _folder(file: str) -> str:
-    """Return the student's folder of a path in received.csv, normalized as in submissions."""
-    name = file.lstrip("'").split("/")[0]
-    try:
-        return normalise(name)
-    except CourseError:
-        return name
+    numbers = set[str]()
+    for row in rows:
+        # The student's folder, normalized as in submissions.
+        name = (row.get("file") or "").lstrip("'").split("/")[0]
+        try:
+            numbers.add(normalise(name))
+        except CourseError:
+            numbers.add(name)
+    return frozenset(numbers)
