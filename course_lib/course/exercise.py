@@ -48,6 +48,11 @@ def find_notebook(path: Path) -> Path:
         matches += [name for name in candidates if _exercise_of(Path(name)) == path.stem]
         if suggestion := did_you_mean(matches[0] if matches else str(path), candidates):
             raise CourseError(f"there is no {path}{suggestion}")
+        if path.name == str(path) and not notebooks:
+            raise CourseError(
+                f"there is no {path} in {Path.cwd()}. Go to your course folder first, like cd ~/my_course, "
+                "then type the command again."
+            )
     return path
 
 

@@ -159,7 +159,10 @@ class Viewer(KnownAttributes):
     def remove(self, display: Display) -> None:
         """Remove a display."""
         if display not in self.session.displays:
-            raise CourseError(f"{display} is not in this viewer; it shows {self.displays}.")
+            text = f"{display} is not in this viewer; it shows {self.displays}."
+            if isinstance(display, str):
+                text = f"{display!r} is a name: write viewer.remove(viewer[{display!r}])."
+            raise CourseError(text)
         self.session.remove(display)
 
     @property

@@ -172,10 +172,10 @@ def _unset_attribute_hint(error: AttributeError, owner: str, name: str) -> str:
     of_node = ("create_", "get_", "declare_", "destroy_")
     if not hasattr(cls, "create_timer") and name.startswith(of_node):
         return f"write (Node) after the name of the class, class {owner}(Node): then it has {name}."
-    for key, value in frame.f_locals.items() if frame is not None else ():
-        fields = getattr(type(value), "get_fields_and_field_types", dict)
-        if name in fields():
-            return f"did you mean `{key}.{name}`? It is a field of the message."
+    if re.search(rf"\bself\.{name}\(", line_of_student(error)):
+        return f"{owner} has no method {name}: write its `def {name}(self)` into the class."
+    if frame is not None and (holder := near_names.holder_of_field(name, frame)):
+        return f"did you mean `{holder}.{name}`? It is a field of the message."
     return f"set `self.{name}` in {owner}.__init__, spelled the same."
 
 

@@ -130,7 +130,7 @@ _SYNONYMS = {
     "rotation": ("orientation",),
     "orientation": ("rotation",),
     "translation": ("position",),
-    "pose": ("transform",),
+    "pose": ("transform", "center"),
     "transform": ("pose",),
     "position": ("translation", "center"),
     "label": ("class_id", "text", "name"),
@@ -260,6 +260,10 @@ def _unset_variable_hint(missing: str, frame: FrameType) -> str:
     except SyntaxError:  # a cell with a magic
         tree = ast.Module([], [])
     for node in ast.walk(tree):
+        targets = list(ast.walk(node.target)) if isinstance(node, ast.For) else []
+        names = [part.id for part in targets if isinstance(part, ast.Name)]
+        if missing in names and getattr(node, "lineno", 0) > frame.f_lineno:
+            return f"{missing} gets its values in the for loop below: move this line into the loop."
         body = node.body if isinstance(node, ast.Try) else []
         stored = [name for part in body for name in ast.walk(part) if isinstance(name, ast.Name)]
         if not any(name.id == missing and isinstance(name.ctx, ast.Store) for name in stored):
@@ -318,6 +322,8 @@ def _similar_name(
     line = line_of_student(error)
     if found := _call_hint(missing, line, frame):
         return found
+    if holder := holder_of_field(missing, frame):
+        return f"did you mean `{holder}.{missing}`?"
     if found := _similar_variable(missing, frame):
         return found
     # The cell above has not run, or it stopped with an error.
@@ -333,9 +339,22 @@ def _similar_name(
     # A method of rclpy has to be more similar than a name that the student chose.
     if similar := nearest(missing, own_names) or nearest(missing, owner, 0.85):
         return f"did you mean `self.{similar}`?"
-    if similar := nearest(missing, [*vars(builtins), *keyword.kwlist], 0.8):
+    # A slip is rarely in the first letter: wall does not mean all.
+    words = [name for name in (*vars(builtins), *keyword.kwlist) if name[0].lower() == missing[0].lower()]
+    if similar := nearest(missing, words, 0.8):
         return f"did you mean `{similar}`?"
     return _import_hint(missing, importable, line) or _origin_hint(missing, frame)
+
+
+def holder_of_field(name: str, frame: FrameType) -> str:
+    """Return the only local variable, a message, that has a field of this name, or ""."""
+    fields = {
+        key: getattr(type(value), "get_fields_and_field_types", dict)()
+        for key, value in frame.f_locals.items()
+        if key != "self" and key.isidentifier() and frame.f_code.co_name.isidentifier()
+    }
+    holders = [key for key, names in fields.items() if name in names]
+    return holders[0] if len(holders) == 1 else ""
 
 
 def _origin_hint(missing: str, frame: FrameType) -> str:
@@ -347,7 +366,7 @@ def _origin_hint(missing: str, frame: FrameType) -> str:
         where = (
             "defined outside of it"
             if os.path.isfile(frame.f_code.co_filename)
-            else "that the cells above define"
+            else "that cells of this notebook define"
         )
         return f"{frame.f_code.co_name} can use {parameters}, and names {where}. Where is {missing} from?"
     return ""
@@ -508,9 +527,9 @@ def attribute_hint(error: AttributeError) -> str:
     """Return a question with the attribute closest to a missing one, or ""."""
     if error.name is None or error.obj is None:
         return ""
+    frame = frame_of(error)
     if isinstance(error.obj, ModuleType) and (found := hiding_file_hint(error.obj.__name__)):
         return found
-    frame = frame_of(error)
     if isinstance(error.obj, ModuleType) and (found := _module_attribute_hint(error.obj, error.name, frame)):
         return found
     if frame is not None and error.obj is frame.f_locals.get("self") and error.name in frame.f_locals:

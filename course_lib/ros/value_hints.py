@@ -417,6 +417,18 @@ def _waiting_hint(error: BaseException, text: str) -> str:
         if isinstance(function, ast.FunctionDef) and _keeps_message(function, name):
             text = f"{name} is None until {function.name} has run: write"
             return f"{text} `if {name} is None: return` before this line."
+    # self.marker = self.new_stripe(1), where the method sets self.marker itself.
+    without_result = {
+        part.name
+        for part in ast.walk(tree)
+        if isinstance(part, ast.FunctionDef)
+        and not any(isinstance(inner, ast.Return) and inner.value for inner in ast.walk(part))
+    }
+    for outer, _ in walk_tb(error.__traceback__):
+        cell = "".join(linecache.getlines(outer.f_code.co_filename))
+        for method in re.findall(rf"{re.escape(name)} = self\.(\w+)\(", cell):
+            if method in without_result:
+                return f"{method} has no return, so {name} is None: write self.{method}(…) without {name} =."
     return ""
 
 

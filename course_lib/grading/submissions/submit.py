@@ -248,7 +248,7 @@ class Receipt:
         warned = report(self.warnings, _path_to_type(self.notebook))
         missing_id = NO_ID.format(first_lesson())
         what = "this is the file to submit" if self.content["student"] else missing_id
-        return f"Wrote {self.file}: {what}. Its receipt:{rows}{warned}"
+        return f"Wrote {self.file.resolve()}: {what}. Its receipt:{rows}{warned}"
 
 
 def submit(path: Path, out: Path | None = None) -> Receipt:

@@ -163,8 +163,8 @@ def are_angles_close(value: float, expected: float, tolerance: float) -> bool:
 
 
 def yaw_of(x: float, y: float, z: float, w: float) -> float:
-    """Return the yaw of a quaternion, its rotation about z [rad]."""
-    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    """Return the yaw of a quaternion of any length, its rotation about z [rad]."""
+    return math.atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
 
 
 def format_number(value: float, unit: str = "") -> str:

@@ -448,9 +448,7 @@ def expect_path(
         return [Problem(f"{message}, expected {frame!r}", "the frame of a pose in a path is wrong")]
     q = path.poses[-1].pose.orientation
     length = math.hypot(q.x, q.y, q.z, q.w)
-    # yaw_of expects a unit quaternion: for one with a wrong w it returns nearly the right angle.
-    scale = 1 / length if length and math.isfinite(length) else 1.0
-    turn = yaw_of(q.x * scale, q.y * scale, q.z * scale, q.w * scale)
+    turn = yaw_of(q.x, q.y, q.z, q.w)
     if yaw is not None and not are_angles_close(turn, yaw, tolerance):
         message = f"the last pose of {topic} is turned by {format_angle(turn)} about z"
         message += f", expected {format_angle(yaw)}"

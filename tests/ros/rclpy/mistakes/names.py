@@ -361,7 +361,8 @@ NAMES = [
     (
         "def confidence_color(score):\n    return 1 - confidence\nconfidence_color(1.0)",
         "NameError: name 'confidence' is not defined",
-        "confidence_color can use score, and names that the cells above define. Where is confidence from?",
+        "confidence_color can use score, and names that cells of this notebook define. "
+        "Where is confidence from?",
     ),
     (
         "twist.linear.x = 1.0",

@@ -112,7 +112,7 @@ NODES = [
         "Publisher",
         "NameError: name 'Publisher' is not defined",
         "define or import Publisher first, or put it in quotes if it is a string; in a notebook "
-        "run the cells above, beginning with the first one.",
+        "run the cells above, beginning with the first one. Another notebook's names do not exist here.",
     ),
     (
         "MarkerArray()",

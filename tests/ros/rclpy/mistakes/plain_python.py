@@ -46,7 +46,7 @@ PLAIN_PYTHON = [
     (
         "def rows(heard):\n    return len(times)\nrows({})",
         "NameError: name 'times' is not defined",
-        "rows can use heard, and names that the cells above define. Where is times from?",
+        "rows can use heard, and names that cells of this notebook define. Where is times from?",
     ),
     (
         "speed = 2.0\nspeed.x",
@@ -226,7 +226,7 @@ PLAIN_PYTHON = [
     (
         "def two_link(a, b, first):\n    return lift\ntwo_link(1.0, 1.0, 0.0)",
         "NameError: name 'lift' is not defined",
-        "two_link can use a, b and first, and names that the cells above define. Where is lift from?",
+        "two_link can use a, b and first, and names that cells of this notebook define. Where is lift from?",
     ),
     (
         "import tf2_geometry_msgs\nBuffer().transform('map', Point())",
