@@ -245,8 +245,9 @@ def _item_hint(index: int, item: Any, text: str) -> str:
         return f"item {index} of the list is {item!r:.40}, not a string."
     kind = re.search(r"each value of type '(\w+)'", text)
     wanted = kind[1] if kind is not None and "'transforms'" not in text else ""
-    if wanted and plain_type is None and hasattr(type(item), "get_fields_and_field_types"):
-        return f"item {index} is of type {type(item).__name__}, and the list takes a {wanted} for each item."
+    name = type(item).__name__
+    if wanted not in ("", name) and plain_type is None and hasattr(item, "get_fields_and_field_types"):
+        return f"item {index} is of type {name}, and the list takes a {wanted} for each item."
     names = _NUMBERS_OF.get(wanted, "")
     if names and isinstance(item, list | tuple | np.ndarray) and len(item) == len(names):
         parts = ", ".join(f"{name}=item[{place}]" for place, name in enumerate(names))
