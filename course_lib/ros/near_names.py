@@ -348,7 +348,7 @@ def _similar_name(
 
 def holder_of_field(name: str, frame: FrameType) -> str:
     """Return the only local variable, a message, that has a field of this name, or ""."""
-    fields = {
+    fields: dict[str, Mapping[str, str]] = {
         key: getattr(type(value), "get_fields_and_field_types", dict)()
         for key, value in frame.f_locals.items()
         if key != "self" and key.isidentifier() and frame.f_code.co_name.isidentifier()
