@@ -61,11 +61,12 @@ class Subscription(Entity, TopicEnd[MsgT]):
         return self.__callback
 
     @callback.setter
-    def callback(self, value: Callable[..., object]) -> None:
-        # Whether it accepts a MessageInfo as second argument.
+    def callback(self, callback: Callable[..., object]) -> None:
+        # A hint reads the local variable `callback` of the function that raises the error.
         for count in (1, 2):
             with suppress(TypeError):
-                inspect.signature(value).bind(*[None] * count)
+                inspect.signature(callback).bind(*[None] * count)
+                # Whether it accepts a MessageInfo as second argument.
                 self.__takes_info = count == 2
                 break
         else:
@@ -73,7 +74,7 @@ class Subscription(Entity, TopicEnd[MsgT]):
                 "Subscription.__init__(): callback should be either be callable with one argument"
                 "(to get only the message) or two (to get message and message info)"
             )
-        self.__callback = value
+        self.__callback = callback
 
     def _course_is_ready(self) -> bool:
         """Return whether a received message waits for the callback."""
