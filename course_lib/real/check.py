@@ -7,7 +7,7 @@ with those that the program published in the kit.
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -352,24 +352,20 @@ def _is_timing(check: Check) -> bool:
     return check.origin is not None and check.origin.check_function in TIMING
 
 
+@dataclass(eq=False, repr=False)
 class ScenarioOnRos:
     """A scenario of a task. The student's nodes run on the real rclpy; inputs and recorder run in the kit."""
 
-    def __init__(
-        self,
-        task: Task,
-        scenario: Scenario,
-        personal: Mapping[str, Any],
-        environment: RealEnvironment,
-        folder: Path,
-    ) -> None:
-        self._task, self._scenario, self._personal = task, scenario, personal
-        self._environment, self._folder = environment, folder
-        self._samples: list[Sample] = []
-        # Rejected parameters: the time of the reply, [ns] since 1970, and the reason.
-        self._rejections: list[tuple[int, str]] = []
-        self._input_node = -1
-        self.packages: list[str] = []
+    _task: Task
+    _scenario: Scenario
+    _personal: Mapping[str, Any]
+    _environment: RealEnvironment
+    _folder: Path
+    _samples: list[Sample] = field(default_factory=list)
+    # Rejected parameters: the time of the reply, [ns] since 1970, and the reason.
+    _rejections: list[tuple[int, str]] = field(default_factory=list)
+    _input_node: int = -1
+    packages: list[str] = field(default_factory=list)
 
     def evidence(self, module: Path) -> Evidence:
         """Run the scenario and return its evidence, with times relative to the kit's START_NS."""

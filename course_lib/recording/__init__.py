@@ -11,7 +11,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -567,13 +567,13 @@ def record_to_bag(
     write_bag(Recording(tuple(s for s in samples if chosen(s.topic, s.type_name))), folder)
 
 
+@dataclass
 class _SimTime:
     """Stamps samples with the last time received on /clock."""
 
-    def __init__(self) -> None:
-        self._now_ns: int | None = None
-        # Received before the first message on /clock.
-        self._latched: list[Sample] = []
+    _now_ns: int | None = None
+    # Received before the first message on /clock.
+    _latched: list[Sample] = field(default_factory=list)
 
     def stamp_samples(self, sample: Sample) -> list[Sample]:
         """Return the samples that can be stamped now that another one has been received."""

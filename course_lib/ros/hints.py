@@ -152,16 +152,18 @@ def _find_hint(error: BaseException) -> str:
     if isinstance(error, AttributeError):
         frame = frame_of(error)
         outer = frame.f_globals.get(error.name or "") if frame is not None else None
-        if error.name and _has_parameter(error.obj, error.name):
+        is_student_object = is_student_class(type(error.obj))
+        has_parameter = getattr(error.obj, "has_parameter", None) if is_student_object else None
+        if error.name and callable(has_parameter) and has_parameter(error.name) is True:
             return f"{error.name} is a parameter: read it with `self.get_parameter('{error.name}').value`."
         # A function with self is a method with too little indentation, which has a hint of its own.
         is_function = isinstance(outer, FunctionType) and outer.__code__.co_varnames[:1] != ("self",)
-        if is_student_class(type(error.obj)) and is_function:
+        if is_student_object and is_function:
             return f"{error.name} is a function outside of the class: call it without `self.`"
         if similar := near_names.attribute_hint(error):
             return similar
         attribute = re.match(r"'(\w+)' object has no attribute '(\w+)'$", text)
-        if attribute and is_student_class(type(error.obj)):
+        if attribute and is_student_object:
             return _unset_attribute_hint(error, attribute[1], attribute[2])
     return ""
 
@@ -231,12 +233,6 @@ def _field_hint(types: Sequence[str], attribute: str, line: str) -> str:
     return f"did you mean `{similar}`? {show}" if similar else show
 
 
-def _has_parameter(thing: object, name: str) -> bool:
-    """Return whether an object is a node of the student with a parameter of this name."""
-    has_parameter = getattr(thing, "has_parameter", None)
-    return is_student_class(type(thing)) and callable(has_parameter) and has_parameter(name) is True
-
-
 def _decimal_comma_hint(error: BaseException, text: str) -> str:
     """Return the hint for a failing line in which a decimal comma splits a number, or ""."""
     surplus = (
@@ -262,7 +258,8 @@ def _rclpy_attribute_hint(error: BaseException) -> str:
     thing, name = error.obj, error.name
     if isinstance(thing, ModuleType):
         owners = [thing.__name__]
-        if line := import_hints.import_from(thing.__name__, name):
+        line = near_names.IMPORTS.get(name, "")
+        if line.startswith(f"from {thing.__name__}."):
             return f"import it: `{line}`."
     else:
         kinds = type.mro(thing) if isinstance(thing, type) else type(thing).__mro__

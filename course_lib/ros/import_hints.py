@@ -205,12 +205,6 @@ def _imported_name(error: BaseException) -> str:
     return ""
 
 
-def import_from(package: str, name: str) -> str:
-    """Return the import statement for a well-known class in a module of the package, or ""."""
-    line = near_names.IMPORTS.get(name, "")
-    return line if line.startswith(f"from {package}.") else ""
-
-
 def import_hint(error: ImportError) -> str:
     """Return a question with the name closest to one that cannot be imported, or ""."""
     if "relative import with no known parent package" in str(error):

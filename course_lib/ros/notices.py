@@ -1,6 +1,7 @@
 """Notices in the output of a cell, and log lines that repeat."""
 
 import sys
+from dataclasses import dataclass, field
 
 from course_lib.errors import format_count
 
@@ -19,16 +20,16 @@ def print_to_stderr(line: str) -> None:
     sys.stderr.flush()
 
 
+@dataclass(eq=False, repr=False)
 class ReplacedNodes:
     """Reports nodes that were replaced by new nodes of the same name, as one line at the end of the cell.
 
     Outside of cells, each is reported immediately.
     """
 
-    def __init__(self) -> None:
-        # Whether a cell is running, at whose end `report` is called.
-        self.is_deferred = False
-        self._names: list[str] = []
+    # Whether a cell is running, at whose end `report` is called.
+    is_deferred: bool = False
+    _names: list[str] = field(default_factory=list)
 
     def add(self, name: str) -> None:
         """Record the full name of a replaced node."""
@@ -46,14 +47,16 @@ class ReplacedNodes:
             say(f"New nodes replace nodes with the same names: {', '.join(names)}.")
 
 
+@dataclass(eq=False, repr=False)
 class RepeatedLines:
     """Writes log lines to stderr and counts equal lines in a row.
 
     The count is printed at 10, 100, 1000, … repetitions, and at the end.
     """
 
-    def __init__(self) -> None:
-        self._last_subject, self._times, self._reported = "", 0, 0
+    _last_subject: str = ""
+    _times: int = 0
+    _reported: int = 0
 
     def write(self, subject: str, line: str) -> None:
         """Write a line unless it repeats the previous lines.

@@ -2,6 +2,7 @@
 
 from bisect import bisect_right
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from math import acos, inf, isnan, sin, sqrt
 from operator import attrgetter
 from typing import Any, NamedTuple, NoReturn, TypeAlias
@@ -179,13 +180,13 @@ class StaticCache:
         return 1, 0, 0
 
 
+@dataclass(eq=False, repr=False)
 class TimeCache:
     """The transforms within `length_ns` [ns] of the newest one."""
 
-    def __init__(self, length_ns: int) -> None:
-        self._length_ns = length_ns
-        # Sorted by stamp; equal stamps are in the order of arrival.
-        self._transforms: list[Transform] = []
+    length_ns: int
+    # Sorted by stamp; equal stamps are in the order of arrival.
+    _transforms: list[Transform] = field(default_factory=list)
 
     def insert(self, transform: Transform) -> bool:
         """Store a transform.
@@ -194,7 +195,7 @@ class TimeCache:
         length.
         """
         transforms = self._transforms
-        oldest_ns = transforms[-1].stamp_ns - self._length_ns if transforms else 0
+        oldest_ns = transforms[-1].stamp_ns - self.length_ns if transforms else 0
         while transforms and transforms[0].stamp_ns < oldest_ns:
             del transforms[0]
         if transforms and transform.stamp_ns < oldest_ns:

@@ -40,17 +40,15 @@ StateT = TypeVar("StateT")
 TopicSelector = Callable[[], Collection[str]]
 
 
+@dataclass(slots=True, eq=False, repr=False)
 class Alarm:
     """A scheduled event, which can be cancelled."""
 
-    __slots__ = ("action", "due_ns", "entity", "is_cancelled", "node")
-
-    def __init__(self, due_ns: int, action: Callable[[], None], node: int, entity: int) -> None:
-        self.due_ns = due_ns
-        self.action = action
-        self.node = node
-        self.entity = entity
-        self.is_cancelled = False
+    due_ns: int
+    action: Callable[[], None]
+    node: int
+    entity: int
+    is_cancelled: bool = False
 
     def cancel(self) -> None:
         """Cancel the event."""
@@ -351,16 +349,16 @@ class Graph:
         self.call_at(self.now_ns + self.delay_ns, delivery, node=node, entity=entity)
 
 
+@dataclass(slots=True, eq=False, repr=False)
 class _Delivery:
     """The event that delivers a sample to a subscription, unless it was removed in the meantime.
 
     `Graph.count_stored_bytes` accesses its sample.
     """
 
-    __slots__ = ("graph", "sample", "subscription")
-
-    def __init__(self, graph: Graph, sample: Sample, subscription: Subscription) -> None:
-        self.graph, self.sample, self.subscription = graph, sample, subscription
+    graph: Graph
+    sample: Sample
+    subscription: Subscription
 
     def __call__(self) -> None:
         graph, sample, subscription = self.graph, self.sample, self.subscription

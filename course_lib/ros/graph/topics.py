@@ -204,17 +204,17 @@ class Subscription:
 Endpoint = TypeVar("Endpoint", Publisher, Subscription)
 
 
+@dataclass(eq=False, repr=False)
 class Topics:
     """The publishers and subscriptions of one run, and their matching."""
 
-    def __init__(self) -> None:
-        self.publishers: dict[int, Publisher] = {}
-        self.subscriptions: dict[int, Subscription] = {}
-        # Publishers by topic.
-        self._publishers_by_topic: dict[str, list[Publisher]] = {}
-        self._subscriptions_by_topic: dict[str, list[Subscription]] = {}
-        # Matching subscriptions by publisher id. Cleared whenever an endpoint is added or removed.
-        self._receivers: dict[int, list[Subscription]] = {}
+    publishers: dict[int, Publisher] = field(default_factory=dict)
+    subscriptions: dict[int, Subscription] = field(default_factory=dict)
+    # Publishers by topic.
+    _publishers_by_topic: dict[str, list[Publisher]] = field(default_factory=dict)
+    _subscriptions_by_topic: dict[str, list[Subscription]] = field(default_factory=dict)
+    # Matching subscriptions by publisher id. Cleared whenever an endpoint is added or removed.
+    _receivers: dict[int, list[Subscription]] = field(default_factory=dict)
 
     def endpoints(self) -> list[EndpointInfo]:
         """List all endpoints, sorted by creation."""

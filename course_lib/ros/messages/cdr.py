@@ -150,7 +150,7 @@ class CdrLayout:
 
     def inner_path(self, path: str) -> str:
         """Return the name by which the fields of a nested message are accessed."""
-        raise NotImplementedError
+        return path
 
     def add_scalar(self, code: str, path: str) -> None:
         """Add a number field.
@@ -193,9 +193,6 @@ class _Reader(CdrLayout):
     def transfer_lines(self, row: struct.Struct, names: list[str]) -> list[str]:
         targets = f"{', '.join(names)}, = " if names else ""
         return [f"{targets}{self.add_to_scope(row.unpack_from)}(data, pos)", f"pos += {row.size}"]
-
-    def inner_path(self, path: str) -> str:
-        return path
 
     def add_scalar(self, code: str, path: str) -> None:
         self.add_number(code, self._value())

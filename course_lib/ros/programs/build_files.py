@@ -341,6 +341,7 @@ class _CMakeMacro:
     body: list[tuple[str, str]]
 
 
+@dataclass
 class _CMake:
     """Interprets loops, macros and functions of a CMakeLists.txt, up to a number of commands.
 
@@ -350,10 +351,9 @@ class _CMake:
         variables: The lists that are known, by name.
     """
 
-    def __init__(self, variables: dict[str, list[str]]) -> None:
-        self.variables = variables
-        self._macros: dict[str, _CMakeMacro] = {}
-        self._budget = _MAX_FILES
+    variables: dict[str, list[str]]
+    _macros: dict[str, _CMakeMacro] = field(default_factory=dict)
+    _budget: int = _MAX_FILES
 
     def run(self, commands: Iterable[tuple[str, str]]) -> Iterator[tuple[str, list[str]]]:
         """Yield lower-case commands with their arguments, including loops, macros and functions."""

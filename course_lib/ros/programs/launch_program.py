@@ -14,6 +14,7 @@ import sys
 import sysconfig
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from functools import partial
 from importlib.abc import Loader
 from importlib.machinery import ModuleSpec
@@ -134,23 +135,23 @@ class Placeholder(Action, Substitution):
 OutputCallback = Callable[[str, int, str], object]
 
 
+@dataclass(eq=False, repr=False)
 class OutputPrefixes:
     """Prefixes the output of each process with its name from `by_program`.
 
     `on_output` receives the output in whole lines.
     """
 
-    def __init__(self, on_output: OutputCallback) -> None:
-        self.by_program: dict[str, str] = {}
-        self._on_output = on_output
-        self._streams: list[_PrefixedStream] = []
+    on_output: OutputCallback
+    by_program: dict[str, str] = field(default_factory=dict)
+    _streams: "list[_PrefixedStream]" = field(default_factory=list)
 
     @contextmanager
     def prefix_output(self) -> Iterator[None]:
         """Prefix the output of the processes within a `with` block."""
         original_streams = sys.stdout, sys.stderr
         self._streams = [
-            _PrefixedStream(stream, number, self.by_program, self._on_output)
+            _PrefixedStream(stream, number, self.by_program, self.on_output)
             for number, stream in enumerate(original_streams, 1)
         ]
         sys.stdout, sys.stderr = self._streams
@@ -172,16 +173,16 @@ class OutputPrefixes:
                 stream.end(program.name)
 
 
+@dataclass(eq=False, repr=False)
 class _PrefixedStream:
     """A stream that buffers the output of processes until a line is complete, as launch does."""
 
-    def __init__(
-        self, stream: Any, number: int, by_program: dict[str, str], on_output: OutputCallback
-    ) -> None:
-        self._stream, self._number, self._by_program = stream, number, by_program
-        self._on_output = on_output
-        # The incomplete last lines by program.
-        self._incomplete_lines: dict[str, str] = {}
+    _stream: Any
+    _number: int
+    _by_program: dict[str, str]
+    _on_output: OutputCallback
+    # The incomplete last lines by program.
+    _incomplete_lines: dict[str, str] = field(default_factory=dict)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)

@@ -6,6 +6,7 @@ import os
 import sys
 import threading
 from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -303,13 +304,13 @@ class DiscardedOutputs(dict[int, list[Any]]):
         return []
 
 
+@dataclass
 class Processes:
     """Processes that share the graph, each in its own thread."""
 
-    def __init__(self) -> None:
-        # Indices of the processes that have ended, in the order of their ends.
-        self.ended: list[int] = []
-        self._threads: list[threading.Thread] = []
+    # Indices of the processes that have ended, in the order of their ends.
+    ended: list[int] = field(default_factory=list)
+    _threads: list[threading.Thread] = field(default_factory=list)
 
     def start(self, process: Process) -> int:
         """Start a process, which runs when the calling thread waits. Return its index."""

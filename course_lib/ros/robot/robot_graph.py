@@ -17,7 +17,7 @@ The link works in threads of its own, which must not touch the graph. They queue
 import heapq
 import itertools
 from _queue import Empty
-from _thread import allocate_lock
+from _thread import LockType, allocate_lock
 from collections import Counter, deque
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass, field, replace
@@ -74,19 +74,19 @@ MIN_MESSAGES = 50
 OnTopicPacket = Callable[["TopicSubscription", Packet], None]
 
 
+@dataclass(eq=False, repr=False)
 class Traffic:
     """Statistics of a topic: its rate and its lost messages."""
 
-    def __init__(self) -> None:
-        self.received = 0
-        # Lost messages, counted by gaps in sequence numbers.
-        self.lost = 0
-        # (time of reception [ns], size [bytes]) of recent messages.
-        self._recent: deque[tuple[int, int]] = deque(maxlen=WINDOW)
-        # Time from publication to reception of recent messages [ns].
-        self._lags_ns: deque[int] = deque(maxlen=WINDOW)
-        # Last sequence number by GID.
-        self._last_sequence: dict[bytes, int] = {}
+    received: int = 0
+    # Lost messages, counted by gaps in sequence numbers.
+    lost: int = 0
+    # (time of reception [ns], size [bytes]) of recent messages.
+    _recent: deque[tuple[int, int]] = field(default_factory=partial(deque, maxlen=WINDOW))
+    # Time from publication to reception of recent messages [ns].
+    _lags_ns: deque[int] = field(default_factory=partial(deque, maxlen=WINDOW))
+    # Last sequence number by GID.
+    _last_sequence: dict[bytes, int] = field(default_factory=dict)
 
     def add(self, packet: Packet) -> None:
         """Count a message."""
@@ -116,6 +116,7 @@ class Traffic:
         return (len(recent) - 1) / seconds, sum(size for _, size in recent[1:]) / seconds
 
 
+@dataclass(eq=False, repr=False)
 class Inbox:
     """The pending messages of a topic. When it is full, the oldest message is dropped.
 
@@ -124,13 +125,13 @@ class Inbox:
         on_packet: Called with each message in the graph's thread.
     """
 
-    def __init__(self, actions: Actions, on_packet: Callable[[Packet], None]) -> None:
-        self.traffic = Traffic()
-        self.dropped = 0
-        self._actions, self._on_packet = actions, on_packet
-        self._pending: deque[Packet] = deque()
-        self._bytes = 0
-        self._mutex = allocate_lock()
+    actions: Actions
+    on_packet: Callable[[Packet], None]
+    traffic: Traffic = field(default_factory=Traffic)
+    dropped: int = 0
+    _pending: deque[Packet] = field(default_factory=deque)
+    _bytes: int = 0
+    _mutex: LockType = field(default_factory=allocate_lock)
 
     def put(self, packet: Packet) -> None:
         """Add a message. Called from the link's threads."""
@@ -145,14 +146,14 @@ class Inbox:
                 self._bytes -= len(self._pending.popleft().cdr)
                 self.dropped += 1
         if not is_full:
-            self._actions.put(self._process_one)
+            self.actions.put(self._process_one)
 
     def _process_one(self) -> None:
         with self._mutex:
             packet = self._pending.popleft() if self._pending else None
             self._bytes -= len(packet.cdr) if packet else 0
         if packet is not None:
-            self._on_packet(packet)
+            self.on_packet(packet)
 
 
 @dataclass
@@ -171,23 +172,19 @@ class TopicSubscription:
     inbox: Inbox = field(init=False)
     declaration: Declaration = field(init=False)
 
-    @property
-    def traffic(self) -> Traffic:
-        """The statistics of the topic."""
-        return self.inbox.traffic
-
     def status_row(self) -> tuple[str, object]:
         """Return the topic and its rate as a row of `ros2 doctor`."""
+        traffic = self.inbox.traffic
         if self.latched_count:
-            return self.topic, f"latched, {format_count(self.traffic.received, 'message')} received"
-        per_second, size = self.traffic.rates()
-        lost, dropped = self.traffic.lost, self.inbox.dropped
+            return self.topic, f"latched, {format_count(traffic.received, 'message')} received"
+        per_second, size = traffic.rates()
+        lost, dropped = traffic.lost, self.inbox.dropped
         notes = f", {lost} lost on the way" * bool(lost) + f", {dropped} dropped here: busy" * bool(dropped)
         return self.topic, f"{per_second:.1f} Hz, {size / 1e6:.3f} MB/s{notes}"
 
     def warning(self) -> str:
         """Return a message if the link is too slow for the topic, else ""."""
-        traffic = self.traffic
+        traffic = self.inbox.traffic
         sent = traffic.received + traffic.lost
         if sent < MIN_MESSAGES or traffic.lost < MAX_LOST * sent:
             return ""
@@ -199,6 +196,7 @@ class TopicSubscription:
         )
 
 
+@dataclass(eq=False, repr=False)
 class TopicSubscriptions:
     """The subscriptions of the kit on the network.
 
@@ -211,9 +209,9 @@ class TopicSubscriptions:
         on_message: Called with each message in the graph's thread.
     """
 
-    def __init__(self, link: Link, on_message: OnTopicPacket) -> None:
-        self._link, self._on_message = link, on_message
-        self._by_key: dict[tuple[str, str, int], TopicSubscription] = {}
+    link: Link
+    on_message: OnTopicPacket
+    _by_key: dict[tuple[str, str, int], TopicSubscription] = field(default_factory=dict)
 
     def __iter__(self) -> Iterator[TopicSubscription]:
         return iter(tuple(self._by_key.values()))
@@ -221,20 +219,20 @@ class TopicSubscriptions:
     def add(self, endpoint: int, topic: str, type_name: str, qos: Qos) -> None:
         """Subscribe an endpoint of the kit to a topic."""
         latched_count = latched_depth(qos)
-        key = topic, type_name, endpoint if self._link.is_qos_enforced else 0
+        key = topic, type_name, endpoint if self.link.is_qos_enforced else 0
         subscription = self._by_key.get(key)
         if subscription is not None and latched_count <= subscription.latched_count:
             subscription.users.add(endpoint)
             return
         if subscription is None:
             subscription = self._by_key[key] = TopicSubscription(topic, type_name, latched_count)
-            subscription.inbox = Inbox(self._link.actions, partial(self._on_message, subscription))
+            subscription.inbox = Inbox(self.link.actions, partial(self.on_message, subscription))
         else:
             # The shared subscription is replaced by one that requests more latched messages.
             subscription.declaration.withdraw()
             subscription.latched_count = latched_count
         on_packet = subscription.inbox.put
-        subscription.declaration = self._link.subscriber(topic, type_name, qos, latched_count, on_packet)
+        subscription.declaration = self.link.subscriber(topic, type_name, qos, latched_count, on_packet)
         subscription.users.add(endpoint)
 
     def remove(self, endpoint: int) -> None:
@@ -248,7 +246,7 @@ class TopicSubscriptions:
     def status_rows(self) -> list[tuple[str, object]]:
         """Return each topic's row of `ros2 doctor`: of its subscription with the most messages."""
         rows: dict[str, tuple[str, object]] = {}
-        for subscription in sorted(self, key=lambda subscription: subscription.traffic.received):
+        for subscription in sorted(self, key=lambda subscription: subscription.inbox.traffic.received):
             rows[subscription.topic] = subscription.status_row()
         return [rows[topic] for topic in sorted(rows)]
 
@@ -268,6 +266,7 @@ MAX_OPEN = 1000
 Deliver = Callable[[str, str, bytes], None]
 
 
+@dataclass(eq=False, repr=False)
 class Services:
     """The service clients and servers of the kit that are on the network.
 
@@ -276,25 +275,25 @@ class Services:
         deliver: Delivers data to the subscriptions of a topic in the graph.
     """
 
-    def __init__(self, link: Link, deliver: Deliver) -> None:
-        self._link, self._deliver = link, deliver
-        # Clients by the endpoint that publishes their requests.
-        self._clients: dict[int, NetworkClient] = {}
-        # Servers by the endpoint that receives their requests.
-        self._servers: dict[int, Declaration] = {}
-        # Functions that reply to the requests of the network, by request number.
-        self._pending_replies: dict[int, SendReply] = {}
-        self._request_numbers = itertools.count()
+    link: Link
+    deliver: Deliver
+    # Clients by the endpoint that publishes their requests.
+    _clients: dict[int, NetworkClient] = field(default_factory=dict)
+    # Servers by the endpoint that receives their requests.
+    _servers: dict[int, Declaration] = field(default_factory=dict)
+    # Functions that reply to the requests of the network, by request number.
+    _pending_replies: dict[int, SendReply] = field(default_factory=dict)
+    _request_numbers: Iterator[int] = field(default_factory=itertools.count)
 
     def add(self, node: Any, info: EndpointInfo) -> None:
         """Declare the client or server of the endpoint that publishes or receives requests."""
         name, type_name = info.service or ("", "")
         if info.is_client:
-            entity = self._link.endpoint(node, "client", name, type_name, info.qos)
-            self._clients[info.id] = self._link.client(entity)
+            entity = self.link.endpoint(node, "client", name, type_name, info.qos)
+            self._clients[info.id] = self.link.client(entity)
         else:
-            entity = self._link.endpoint(node, "server", name, type_name, info.qos)
-            self._servers[info.id] = self._link.service(entity, partial(self._on_request, info))
+            entity = self.link.endpoint(node, "server", name, type_name, info.qos)
+            self._servers[info.id] = self.link.service(entity, partial(self._on_request, info))
 
     def remove(self, endpoint: int) -> None:
         """Withdraw the client or server of an endpoint if there is one."""
@@ -313,7 +312,7 @@ class Services:
         def on_reply(reply: bytes | None) -> None:
             if reply is not None:
                 _, replies = service_topics(name, type_name)
-                self._deliver(*replies, header + reply)
+                self.deliver(*replies, header + reply)
 
         client.call(cdr, on_reply)
         return True
@@ -332,13 +331,14 @@ class Services:
             # The oldest client receives no reply, which Zenoh reports to it when `send_reply` is
             # released.
             del self._pending_replies[next(iter(self._pending_replies))]
-        self._deliver(info.topic, info.type_name, SERVICE_HEADER.pack(REMOTE_CLIENT, number) + cdr)
+        self.deliver(info.topic, info.type_name, SERVICE_HEADER.pack(REMOTE_CLIENT, number) + cdr)
 
 
 # Limit on departed publishers whose latched messages are kept.
 MAX_LATCHED = 100
 
 
+@dataclass(eq=False, repr=False)
 class RemoteEntities:
     """The entities of other kits and of the robot in the graph.
 
@@ -351,15 +351,17 @@ class RemoteEntities:
         on_added: Called with each endpoint that joins.
     """
 
-    def __init__(self, graph: Graph, topics: Topics, on_added: Callable[[Entity], None]) -> None:
-        self._graph, self._topics, self._on_added = graph, topics, on_added
-        self.servers = Counter[str]()  # service servers by service name
-        self._nodes: dict[Hashable, int] = {}
-        self._endpoints: dict[Hashable, int] = {}
-        # Endpoint ids by GID.
-        self._publishers: dict[bytes, int] = {}
-        # Latched samples of departed publishers by GID.
-        self._latched_of_departed: dict[bytes, list[Sample]] = {}
+    graph: Graph
+    topics: Topics
+    on_added: Callable[[Entity], None]
+    # Service servers by service name.
+    servers: Counter[str] = field(default_factory=Counter)
+    _nodes: dict[Hashable, int] = field(default_factory=dict)
+    _endpoints: dict[Hashable, int] = field(default_factory=dict)
+    # Endpoint ids by GID.
+    _publishers: dict[bytes, int] = field(default_factory=dict)
+    # Latched samples of departed publishers by GID.
+    _latched_of_departed: dict[bytes, list[Sample]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self._nodes)
@@ -372,41 +374,41 @@ class RemoteEntities:
             self._ensure_node(entity)
         elif entity.key not in self._endpoints:
             endpoint = self._endpoints[entity.key] = self._add(entity, self._ensure_node(entity))
-            listed = self._topics.publishers.get(endpoint) or self._topics.subscriptions[endpoint]
+            listed = self.topics.publishers.get(endpoint) or self.topics.subscriptions[endpoint]
             listed.info = replace(listed.info, remote_gid=entity.gid, remote_type_hash=entity.type_hash)
-            self._on_added(entity)
+            self.on_added(entity)
             self._notify(listed.info, has_joined=True)
 
     def publisher(self, gid: bytes) -> Publisher | None:
         """Return the publisher with a GID, or None if it is unknown."""
-        return self._topics.publishers.get(self._publishers.get(gid, -1))
+        return self.topics.publishers.get(self._publishers.get(gid, -1))
 
     def publisher_infos(self) -> list[EndpointInfo]:
         """List the remote publishers."""
-        publishers = (self._topics.publishers.get(endpoint) for endpoint in self._publishers.values())
+        publishers = (self.topics.publishers.get(endpoint) for endpoint in self._publishers.values())
         return [publisher.info for publisher in publishers if publisher is not None]
 
     def _ensure_node(self, entity: Entity) -> int:
         """Return the node of an entity. It is added if its endpoint is reported first."""
         if entity.node_key not in self._nodes:
-            self._nodes[entity.node_key] = Graph.add_node(self._graph, entity.node, entity.namespace)
+            self._nodes[entity.node_key] = Graph.add_node(self.graph, entity.node, entity.namespace)
         return self._nodes[entity.node_key]
 
     def _add(self, entity: Entity, node: int) -> int:
         topic, type_name, qos = entity.topic, entity.type_name, entity.qos
         if entity.kind == "publisher":
-            endpoint = Graph.add_publisher(self._graph, node, topic, type_name, qos)
+            endpoint = Graph.add_publisher(self.graph, node, topic, type_name, qos)
             self._publishers[entity.gid] = endpoint
             latched = self._latched_of_departed.pop(entity.gid, ())
-            self._topics.publishers[endpoint].latched.extend(latched)
+            self.topics.publishers[endpoint].latched.extend(latched)
             return endpoint
         if entity.kind in ("server", "client"):
             (topic, type_name), _ = service_topics(topic, type_name)
             qos = Qos()
         if entity.kind == "client":
-            return Graph.add_publisher(self._graph, node, topic, type_name, qos)
+            return Graph.add_publisher(self.graph, node, topic, type_name, qos)
         self.servers[entity.topic] += entity.kind == "server"
-        return Graph.add_subscription(self._graph, node, 0, topic, type_name, qos, ignore)
+        return Graph.add_subscription(self.graph, node, 0, topic, type_name, qos, ignore)
 
     def _remove(self, entity: Entity) -> None:
         if entity.kind == "node":
@@ -414,23 +416,23 @@ class RemoteEntities:
             for gid in tuple(self._publishers):
                 self._keep_latched_samples(gid, node)
             if node is not None:
-                for info in self._topics.endpoints():
+                for info in self.topics.endpoints():
                     if info.node == node:
                         self._notify(info, has_joined=False)
-                Graph.remove_node(self._graph, node)
+                Graph.remove_node(self.graph, node)
         elif (endpoint := self._endpoints.pop(entity.key, None)) is not None:
             self.servers[entity.topic] -= entity.kind == "server"
             if entity.kind == "publisher":
                 self._keep_latched_samples(entity.gid, None)
                 self._publishers.pop(entity.gid, None)
-            known = self._topics.publishers.get(endpoint) or self._topics.subscriptions.get(endpoint)
+            known = self.topics.publishers.get(endpoint) or self.topics.subscriptions.get(endpoint)
             if known is not None:
                 self._notify(known.info, has_joined=False)
-            Graph.remove_endpoint(self._graph, endpoint)
+            Graph.remove_endpoint(self.graph, endpoint)
 
     def _notify(self, info: EndpointInfo, *, has_joined: bool) -> None:
-        for listener in self._graph.remote_listeners:
-            listener(self._graph, info, has_joined)
+        for listener in self.graph.remote_listeners:
+            listener(self.graph, info, has_joined)
 
     def _keep_latched_samples(self, gid: bytes, node: int | None) -> None:
         """Keep the latched messages of a leaving publisher: the link may only be interrupted."""
@@ -798,7 +800,7 @@ class RobotGraph(Graph):
                 "is at this address again."
             )
             for subscription in self._subscriptions:
-                subscription.traffic.reset_sequences()
+                subscription.inbox.traffic.reset_sequences()
         elif is_up and not self._is_up and self._down_since is not None:
             self._report(f"The link to {address} is back after {wall.monotonic() - self._down_since:.1f} s.")
         was_silent, self._is_silent = self._is_silent, self.link.silent_seconds() > SILENT_SECONDS
@@ -811,7 +813,7 @@ class RobotGraph(Graph):
 
         Latched topics are ignored, because their messages are old when they arrive.
         """
-        lags = [s.traffic.lag_ns for s in self._subscriptions if not s.latched_count]
+        lags = [s.inbox.traffic.lag_ns for s in self._subscriptions if not s.latched_count]
         measured_lags = [lag for lag in lags if lag is not None]
         return -min(measured_lags) * 1e-9 if measured_lags else None
 

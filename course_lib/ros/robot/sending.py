@@ -7,7 +7,7 @@ import _thread
 import struct
 from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Self
 
 from course_lib.ros.graph.topics import OWN_TOPICS
@@ -90,19 +90,24 @@ class Permissions:
         return [(label, ", ".join(sorted(names)) or default) for label, names in rows]
 
 
+@dataclass(eq=False, repr=False)
 class BlockedTraffic:
     """Counts the messages and calls that were not allowed, and reports each name once.
 
     It also reports services and actions that are not offered to the robot.
+
+    Args:
+        report: Prints a line.
+        notebook: Whether the link is that of a notebook.
     """
 
-    def __init__(self, report: Report, *, notebook: bool = False) -> None:
-        self.counts = Counter[str]()
-        # Services of the last calls.
-        self.calls: list[str] = []
-        # Services and actions of the kit that are not offered.
-        self._not_offered = set[str]()
-        self._report, self._notebook = report, notebook
+    report: Report
+    notebook: bool = False
+    counts: Counter[str] = field(default_factory=Counter)
+    # Services of the last calls.
+    calls: list[str] = field(default_factory=list)
+    # Services and actions of the kit that are not offered.
+    _not_offered: set[str] = field(default_factory=set)
 
     def add(self, name: str, option: str) -> None:
         """Count a message or call that `option` would have allowed."""
@@ -130,12 +135,13 @@ class BlockedTraffic:
 
     def _report_rule(self, effect: str, purpose: str, name: str, option: str) -> None:
         """Report an effect of the permissions, and the option that changes it."""
-        python = f' or {option[2:]}=["{name}"]' if self._notebook else ""
-        self._report(
+        python = f' or {option[2:]}=["{name}"]' if self.notebook else ""
+        self.report(
             f"{effect}: the link does not allow it. To {purpose}, connect with {option} {name}{python}"
         )
 
 
+@dataclass(eq=False, repr=False)
 class StopCommand:
     """Publishes the commands of one publisher, and a zero velocity when commands are no longer published.
 
@@ -143,23 +149,23 @@ class StopCommand:
     subscription.
     """
 
-    def __init__(self, publisher: NetworkPublisher, type_name: str) -> None:
-        self.publisher, self._type_name = publisher, type_name
-        # Whether the robot may still be moving.
-        self._may_move = False
-        # Whether there has ever been a subscription.
-        self._was_matched = False
-        # Wall time of the last command [s].
-        self._last_command_at = 0.0
-        # Wall time of the last stop [s].
-        self._stop_sent_at: float | None = None
-        self._is_stop_lost = False
-        self._mutex = _thread.allocate_lock()
+    publisher: NetworkPublisher
+    type_name: str
+    # Whether the robot may still be moving.
+    _may_move: bool = False
+    # Whether there has ever been a subscription.
+    _was_matched: bool = False
+    # Wall time of the last command [s].
+    _last_command_at: float = 0.0
+    # Wall time of the last stop [s].
+    _stop_sent_at: float | None = None
+    _is_stop_lost: bool = False
+    _mutex: _thread.LockType = field(default_factory=_thread.allocate_lock)
 
     def put(self, cdr: bytes) -> None:
         """Publish a command."""
         with self._mutex:
-            is_moving, is_matched = is_motion(cdr, self._type_name), self.publisher.is_matched()
+            is_moving, is_matched = is_motion(cdr, self.type_name), self.publisher.is_matched()
             self._last_command_at = wall.monotonic()
             self._stop_sent_at = None if is_moving else self._last_command_at
             self._is_stop_lost = not is_matched
@@ -175,7 +181,7 @@ class StopCommand:
             self._was_matched |= is_matched and self._last_command_at > 0.0
             if not self._may_move or now - self._last_command_at < older_than:
                 return
-            zero = stop_message(self._type_name, wall.time_ns())
+            zero = stop_message(self.type_name, wall.time_ns())
             if zero is not None and (self._stop_sent_at is None or (is_matched and self._is_stop_lost)):
                 self.publisher.put(zero)
                 self._stop_sent_at = now

@@ -13,6 +13,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from traceback import walk_stack
 from types import FrameType
 from typing import Any
@@ -41,32 +42,21 @@ LINES = 7
 SIGNALED = 128
 
 
+@dataclass(eq=False, repr=False, slots=True)
 class Callback:
     """A running callback: its node, its thread, and the function that reports it."""
 
-    __slots__ = (
-        "attempts",
-        "context",
-        "ident",
-        "is_reported",
-        "node",
-        "report",
-        "since",
-        "stop_requested_since",
-    )
-
-    def __init__(self, node: str, report: "Callable[[Callback, str], None]") -> None:
-        self.node = node
-        self.report = report
-        self.ident = _thread.get_ident()
-        # A kernel's output goes to the cell that this context identifies.
-        self.context = contextvars.copy_context()
-        self.since = wall.monotonic()
-        self.is_reported = False
-        # Number of interrupts so far.
-        self.attempts = 0
-        # When its end was requested, in wall time [s].
-        self.stop_requested_since: float | None = None
+    node: str
+    report: "Callable[[Callback, str], None]"
+    ident: int = field(default_factory=_thread.get_ident)
+    # A kernel's output goes to the cell that this context identifies.
+    context: contextvars.Context = field(default_factory=contextvars.copy_context)
+    since: float = field(default_factory=wall.monotonic)
+    is_reported: bool = False
+    # Number of interrupts so far.
+    attempts: int = 0
+    # When its end was requested, in wall time [s].
+    stop_requested_since: float | None = None
 
     @property
     def seconds(self) -> float:
@@ -83,17 +73,17 @@ def write_once(callback: Callback, line: str) -> None:
         )
 
 
+@dataclass(eq=False, repr=False)
 class Watch:
     """A thread that watches the running callback."""
 
-    def __init__(self) -> None:
-        self.running_callback: Callback | None = None
-        self.report: Callable[[Callback, str], None] = write_once
-        # Times at which Stop was clicked while a callback ran.
-        self.clicks: list[float] = []
-        # Number of threads that the watch has started: 1 after the first callback.
-        self.threads = 0
-        self._started = False
+    running_callback: Callback | None = None
+    report: Callable[[Callback, str], None] = write_once
+    # Times at which Stop was clicked while a callback ran.
+    clicks: list[float] = field(default_factory=list)
+    # Number of threads that the watch has started: 1 after the first callback.
+    threads: int = 0
+    _started: bool = False
 
     def interrupt_callback(self) -> None:
         """Interrupt the running callback, if there is one, until it ends."""
@@ -148,13 +138,13 @@ def interrupt_main_thread() -> None:
         _thread.interrupt_main()
 
 
+@dataclass(eq=False, repr=False)
 class LiveInterrupts:
     """The handler of SIGINT for nodes that run between the cells."""
 
-    def __init__(self) -> None:
-        # Whether ■ was pressed.
-        self.was_pressed = False
-        self._in_step = False
+    # Whether ■ was pressed.
+    was_pressed: bool = False
+    _in_step: bool = False
 
     @contextmanager
     def handle(self) -> Iterator[None]:

@@ -4,6 +4,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Literal
 
 from course_lib.errors import CourseError
@@ -37,17 +38,17 @@ def mode() -> Literal["real", "fast"]:
     raise CourseError(f"COURSE_PACE is {value!r}; write COURSE_PACE=real or COURSE_PACE=fast.")
 
 
+@dataclass(eq=False, repr=False)
 class Speed:
     """The speed of robot time relative to the wall clock.
 
     The Time panel sets it from any thread.
     """
 
-    def __init__(self) -> None:
-        self.rate = 1.0
-        self.is_paused = False
-        # Robot time that is to pass even while paused [ns].
-        self.step_ns = 0
+    rate: float = 1.0
+    is_paused: bool = False
+    # Robot time that is to pass even while paused [ns].
+    step_ns: int = 0
 
     def advance_ns(self, seconds: float) -> int:
         """Return the robot time [ns] that passes in `seconds` [s] of wall time."""

@@ -69,20 +69,16 @@ def never() -> bool:
     return False
 
 
+@dataclass(slots=True, eq=False, repr=False)
 class Wait:
     """A wait of a program thread: the condition and deadline that end it, and its description."""
 
-    __slots__ = ("awaited", "events_help", "graph", "has_deadline", "is_expired", "ready")
-
-    def __init__(
-        self, graph: Graph, ready: Callable[[], bool], awaited: str, *, events_help: bool = True
-    ) -> None:
-        self.graph = graph
-        self.ready = ready
-        self.awaited = awaited
-        self.events_help = events_help
-        self.has_deadline = False
-        self.is_expired = False
+    graph: Graph
+    ready: Callable[[], bool]
+    awaited: str
+    events_help: bool = True
+    has_deadline: bool = False
+    is_expired: bool = False
 
     def pass_deadline(self) -> None:
         """Mark the deadline as passed. Called by the event that ends the wait."""

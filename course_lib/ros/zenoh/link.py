@@ -12,7 +12,7 @@ import re
 import ssl
 import struct
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Literal, cast
 
@@ -102,22 +102,21 @@ def split_login(address: str) -> tuple[str, Login]:
     return (match[1] + match[4], Login(match[2], match[3])) if match else (address, NO_LOGIN)
 
 
+@dataclass(eq=False, repr=False)
 class DriverReport:
     """Reports the student's topics that a gateway does not forward, once for each driver.
 
-    Args:
-        login: The student's login.
-        report: Prints a line.
+    The arguments are the student's login and a function that prints a line.
     """
 
-    def __init__(self, login: Login, report: Callable[[str], None]) -> None:
-        self._login, self._report = login, report
-        # None: not known yet; "": there is no driver.
-        self._driver: str | None = None
-        # The topics that the gateway forwards.
-        self._topics: Sequence[str] = ()
-        # Whether a sent topic was reported as not forwarded, by topic.
-        self._reported: dict[str, bool] = {}
+    _login: Login
+    _report: Callable[[str], None]
+    # None: not known yet; "": there is no driver.
+    _driver: str | None = None
+    # The topics that the gateway forwards.
+    _topics: Sequence[str] = ()
+    # Whether a sent topic was reported as not forwarded, by topic.
+    _reported: dict[str, bool] = field(default_factory=dict)
 
     def change(self, driver: str, topics: Sequence[str]) -> None:
         """Set the driver and the topics that the gateway forwards."""
@@ -167,6 +166,7 @@ RETRY = {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor":
 END_SECONDS, POLL_SECONDS = 2.0, 0.005
 
 
+@dataclass(eq=False, repr=False)
 class Handlers:
     """Handlers that are called by Zenoh's own threads and counted until each has been dropped.
 
@@ -176,8 +176,8 @@ class Handlers:
     be called after closing a session.
     """
 
-    def __init__(self) -> None:
-        self.alive_count, self._mutex = 0, _thread.allocate_lock()
+    alive_count: int = 0
+    _mutex: _thread.LockType = field(default_factory=_thread.allocate_lock)
 
     def direct(
         self,

@@ -50,7 +50,7 @@ class GenericAnalyzer:
         self._starts = tuple(settings["startswith"] or prefixes)
         self._contains = settings["contains"]
         self._patterns = [re.compile(pattern) for pattern in settings["regex"]]
-        self._prefixes = [output_name(prefix) for prefix in settings["remove_prefix"] or prefixes]
+        self._prefixes = [prefix.replace("/", " ") for prefix in settings["remove_prefix"] or prefixes]
         self._timeout_ns = round(settings["timeout"] * 1e9)
         self._count = settings["num_items"]
         self._discards = settings["discard_stale"]
@@ -89,7 +89,8 @@ class GenericAnalyzer:
             header.values.append(KeyValue(key=name, value=status.message))
             fields = {key: getattr(status, key) for key in ("message", "hardware_id", "values")}
             level = STALE if name in stale else status.level
-            path = f"{self.path}/{output_name(name)}"
+            # Below the path of its analyzer, an item has spaces instead of slashes.
+            path = f"{self.path}/{name.replace('/', ' ')}"
             reported.append(DiagnosticStatus(name=path, level=level, **fields))
         header.level = worst_level([s.level for s in reported[1:]] or [OK if self._discards else STALE])
         header.message = level_name(header.level)
@@ -230,11 +231,6 @@ def worst_level(levels: Sequence[bytes]) -> bytes:
     """Return the worst level. Stale together with other levels is an error."""
     level = max(levels)
     return ERROR if level == STALE and set(levels) != {STALE} else level
-
-
-def output_name(name: str) -> str:
-    """Return an item's name below its analyzer's path, with spaces instead of slashes."""
-    return name.replace("/", " ")
 
 
 def strip_prefix(name: str, prefix: str) -> str:

@@ -94,21 +94,20 @@ class PinholeCameraModel:
     K and P refer to the binning and region of interest, full_K and full_P to the whole sensor.
     """
 
-    def __init__(self) -> None:
-        self.K: Any = None
-        self.D: Any = None
-        self.R: Any = None
-        self.P: Any = None
-        self.full_K: Any = None
-        self.full_P: Any = None
-        self.width: Any = None
-        self.height: Any = None
-        self.binning_x: Any = None
-        self.binning_y: Any = None
-        self.resolution: Any = None
-        self.raw_roi: Any = None
-        self.tf_frame: Any = None
-        self.stamp: Any = None
+    K: Any = None
+    D: Any = None
+    R: Any = None
+    P: Any = None
+    full_K: Any = None
+    full_P: Any = None
+    width: Any = None
+    height: Any = None
+    binning_x: Any = None
+    binning_y: Any = None
+    resolution: Any = None
+    raw_roi: Any = None
+    tf_frame: Any = None
+    stamp: Any = None
 
     def fromCameraInfo(self, msg: CameraInfo) -> None:
         """Set the parameters from a message."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from dataclasses import dataclass, field
 from enum import IntEnum
 
 from course_lib.ros.graph.graph import current_graph
@@ -118,14 +119,14 @@ class JumpHandle(AbstractContextManager["JumpHandle"]):
         self.unregister()
 
 
+@dataclass(eq=False, repr=False)
 class ClockHandle:
     """A clock's state: the override of ROS time and its jump callbacks (rcl/src/rcl/time.c)."""
 
-    def __init__(self) -> None:
-        self.is_overridden = False
-        # The override's time; 0 until one is set.
-        self.override_ns = 0
-        self.jump_handles: list[JumpHandle] = []
+    is_overridden: bool = False
+    # The override's time; 0 until one is set.
+    override_ns: int = 0
+    jump_handles: list[JumpHandle] = field(default_factory=list)
 
     @property
     def now_ns(self) -> int:

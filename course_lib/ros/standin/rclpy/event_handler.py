@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from enum import IntEnum
 from typing import Any
 
@@ -97,13 +97,13 @@ class QoSSubscriptionEventType(IntEnum):
 Report = Callable[[Any], object]
 
 
+@dataclass(eq=False, repr=False)
 class Events:
     """The event counters of a publisher or subscription, and receivers of its events, by name."""
 
-    def __init__(self, tell: Mapping[str, Report], handlers: "list[EventHandler]") -> None:
-        self.tell = tell
-        self.handlers = handlers
-        self._counts: Counter[str] = Counter()
+    tell: Mapping[str, Report]
+    handlers: "list[EventHandler]"
+    _counts: Counter[str] = field(default_factory=Counter)
 
     def count(self, event: str, **more: Any) -> None:
         """Count an event and report the new count."""

@@ -113,15 +113,15 @@ class _Completion:
         return not self.future._pending()
 
 
+@dataclass(eq=False, repr=False)
 class _Waits:
     """Waits with equal arguments.
 
     In rclpy they share a generator, which only one thread can run at a time.
     """
 
-    def __init__(self, arguments: tuple[int, Callable[[], bool]]) -> None:
-        self.arguments = arguments
-        self.is_running = False
+    arguments: tuple[int, Callable[[], bool]]
+    is_running: bool = False
 
 
 @dataclass

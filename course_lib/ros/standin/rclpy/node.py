@@ -281,13 +281,6 @@ class Node:
     def handle(self, value: object) -> None:
         raise AttributeError("handle cannot be modified after node creation")
 
-    def __usable(self, failed: str = "") -> NodeHandle:
-        """Return the handle for an rcl call.
-
-        Raise an error if the node is destroyed or its context invalid.
-        """
-        return self.__handle.require(failed)
-
     def get_node_names(self) -> list[str]:
         """List the names of all nodes."""
         return [name for name, _ in self.get_node_names_and_namespaces()]
@@ -295,13 +288,14 @@ class Node:
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
         """List (name, namespace) for all nodes."""
         return [
-            (node.name, node.namespace) for node in self.__usable("Failed to get node names").graph.nodes()
+            (node.name, node.namespace)
+            for node in self.__handle.require("Failed to get node names").graph.nodes()
         ]
 
     def get_topic_names_and_types(self, no_demangle: bool = False) -> NamesAndTypes:
         """List all topics with their types."""
         require_bool(no_demangle, "rclpy_get_topic_names_and_types(): incompatible function arguments.")
-        infos = self.__usable("failed to get topic names and types").graph.endpoints()
+        infos = self.__handle.require("failed to get topic names and types").graph.endpoints()
         return sorted_types((info.topic, info.type_name) for info in infos if info.service is None)
 
     def get_service_names_and_types(self) -> NamesAndTypes:
@@ -309,17 +303,17 @@ class Node:
 
         As in ROS, services with clients only are included.
         """
-        return services(self.__usable("failed to get service names and types").graph.endpoints())
+        return services(self.__handle.require("failed to get service names and types").graph.endpoints())
 
     def count_publishers(self, topic_name: str) -> int:
         """Return the number of publishers on a topic."""
-        self.__usable("Error in rcl_count_publishers")
+        self.__handle.require("Error in rcl_count_publishers")
         time_lock.poll()
         return len(endpoints_on(self.handle, topic_name, "pub"))
 
     def count_subscribers(self, topic_name: str) -> int:
         """Return the number of subscriptions on a topic."""
-        self.__usable("Error in rcl_count_subscribers")
+        self.__handle.require("Error in rcl_count_subscribers")
         time_lock.poll()
         return len(endpoints_on(self.handle, topic_name, "sub"))
 
@@ -328,7 +322,7 @@ class Node:
     ) -> list[TopicEndpointInfo]:
         """List the publishers on a topic with their QoS."""
         require_bool(no_mangle, "rclpy_get_publishers_info_by_topic(): incompatible function arguments.")
-        node = self.__usable("Failed to get information by topic for publishers")
+        node = self.__handle.require("Failed to get information by topic for publishers")
         return [describe(info, node.graph.nodes()) for info in endpoints_on(node, topic_name, "pub")]
 
     def get_subscriptions_info_by_topic(
@@ -336,12 +330,12 @@ class Node:
     ) -> list[TopicEndpointInfo]:
         """List the subscriptions on a topic with their QoS."""
         require_bool(no_mangle, "rclpy_get_subscriptions_info_by_topic(): incompatible function arguments.")
-        node = self.__usable("Failed to get information by topic for subscriptions")
+        node = self.__handle.require("Failed to get information by topic for subscriptions")
         return [describe(info, node.graph.nodes()) for info in endpoints_on(node, topic_name, "sub")]
 
     def get_fully_qualified_node_names(self) -> list[str]:
         """List the fully qualified names of all nodes."""
-        return [node.full_name for node in self.__usable("Failed to get node names").graph.nodes()]
+        return [node.full_name for node in self.__handle.require("Failed to get node names").graph.nodes()]
 
     def get_node_names_and_namespaces_with_enclaves(self) -> list[tuple[str, str, str]]:
         """List (name, namespace, enclave) for all nodes."""
@@ -366,7 +360,7 @@ class Node:
 
         Raise NodeNameNonExistentError if there is no such node.
         """
-        node = self.__usable("failed to get publisher names and types")
+        node = self.__handle.require("failed to get publisher names and types")
         infos = endpoints_of(node, node_name, node_namespace, "publisher")
         return sorted_types((i.topic, i.type_name) for i in infos if i.service is None and i.kind == "pub")
 
@@ -374,7 +368,7 @@ class Node:
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> NamesAndTypes:
         """List the topics that a node subscribes to."""
-        node = self.__usable("failed to get subscriber names and types")
+        node = self.__handle.require("failed to get subscriber names and types")
         infos = endpoints_of(node, node_name, node_namespace, "subscriber")
         return sorted_types((i.topic, i.type_name) for i in infos if i.service is None and i.kind == "sub")
 
@@ -384,7 +378,7 @@ class Node:
         node_namespace: str,
     ) -> NamesAndTypes:
         """List the services of a node."""
-        node = self.__usable("failed to get service names and types")
+        node = self.__handle.require("failed to get service names and types")
         return services(i for i in endpoints_of(node, node_name, node_namespace, "service") if i.is_service)
 
     def get_client_names_and_types_by_node(
@@ -393,17 +387,17 @@ class Node:
         node_namespace: str,
     ) -> NamesAndTypes:
         """List the services that a node has clients for."""
-        node = self.__usable("failed to get client names and types")
+        node = self.__handle.require("failed to get client names and types")
         return services(i for i in endpoints_of(node, node_name, node_namespace, "client") if i.is_client)
 
     def count_services(self, service_name: str) -> int:
         """Return the number of servers of a service."""
-        ends = service_endpoints(self.__usable(), service_name, "Error in rcl_count_services")
+        ends = service_endpoints(self.__handle.require(), service_name, "Error in rcl_count_services")
         return sum(end.is_service for end in ends)
 
     def count_clients(self, service_name: str) -> int:
         """Return the number of clients of a service."""
-        ends = service_endpoints(self.__usable(), service_name, "Error in rcl_count_clients")
+        ends = service_endpoints(self.__handle.require(), service_name, "Error in rcl_count_clients")
         return sum(end.is_client for end in ends)
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
@@ -430,7 +424,7 @@ class Node:
 
         An invalid name raises NameValidationException or ValueError.
         """
-        node = self.__usable()
+        node = self.__handle.require()
         if name is None:
             raise RCLError("failed to validate name: topic_name argument is null")
         if not isinstance(name, str):

@@ -144,7 +144,11 @@ class TypeDescriptionService:
         if not _HASH.fullmatch(request.type_hash):
             response.failure_reason = "Failed to parse type hash"
             return response
-        name = self.__types_in_use().get(request.type_hash)
+        # The types of the node's endpoints by their hashes.
+        handle = self._node.handle
+        endpoints = (info for info in handle.graph.endpoints() if info.node == handle.id)
+        in_use = {info.type_name if info.service is None else info.service[1] for info in endpoints}
+        name = {type_hash(name): name for name in sorted(in_use)}.get(request.type_hash)
         if name is None:
             response.failure_reason = "Type not currently in use by this node"
             return response
@@ -162,13 +166,6 @@ class TypeDescriptionService:
                     response.type_sources.append(source)
         response.successful = True
         return response
-
-    def __types_in_use(self) -> dict[str, str]:
-        """Return the types of the node's endpoints by their hashes."""
-        handle = self._node.handle
-        endpoints = (info for info in handle.graph.endpoints() if info.node == handle.id)
-        names = {info.type_name if info.service is None else info.service[1] for info in endpoints}
-        return {type_hash(name): name for name in sorted(names)}
 
 
 def _individual(description: dict[str, Any]) -> IndividualTypeDescription:

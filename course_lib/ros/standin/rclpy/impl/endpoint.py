@@ -1,5 +1,6 @@
 """The graph endpoints of publishers and subscriptions, and their matching."""
 
+from dataclasses import dataclass
 from typing import Any, Generic, Literal, TypeVar
 from weakref import WeakKeyDictionary
 
@@ -24,16 +25,16 @@ _NO_TYPE_SUPPORT = (
 _events: WeakKeyDictionary[Graph, dict[int, Events]] = WeakKeyDictionary()
 
 
+@dataclass(eq=False, repr=False)
 class Endpoint:
     """A publisher or subscription in the graph: its node, its id there and its full topic name."""
 
-    def __init__(self, node: NodeHandle, endpoint: int, topic_name: str) -> None:
-        self.node = node
-        self.id = endpoint
-        self.topic_name = topic_name
-        # The topic or service whose type is registered in the node's context.
-        self.registered_name = ""
-        self._destroyed = False
+    node: NodeHandle
+    id: int
+    topic_name: str
+    # The topic or service whose type is registered in the node's context.
+    registered_name: str = ""
+    _destroyed: bool = False
 
     def require(self) -> "Endpoint":
         """Return the endpoint itself. Raise InvalidHandle if it has been destroyed."""

@@ -1,6 +1,7 @@
 """Graph queries in rclpy's data types: topics, services, actions, endpoints and their QoS."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Literal
 
@@ -39,17 +40,13 @@ class TopicEndpointTypeEnum(IntEnum):
     SUBSCRIPTION = 2
 
 
+# Hashes can be changed, so they are not hashable themselves.
+@dataclass(repr=False)
 class TypeHash:
     """The hash of a type: the version of the algorithm, and 32 bytes."""
 
-    def __init__(self, version: int = -1, value: bytes = bytes(32)) -> None:
-        self.version = version
-        self.value = value
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, TypeHash) and vars(self) == vars(other)
-
-    __hash__ = None  # type: ignore[assignment]  # hashes can be changed
+    version: int = -1
+    value: bytes = bytes(32)
 
     def __str__(self) -> str:
         is_valid = self.version > 0 and len(self.value) == 32

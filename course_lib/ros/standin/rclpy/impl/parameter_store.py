@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from math import isclose
 from typing import Any
 
@@ -46,6 +47,7 @@ _EMPTIED = (
 _NO_RESULT = "Callback returned an invalid type, it should return SetParameterResult."
 
 
+@dataclass(eq=False, repr=False)
 class ParameterStore:
     """The declared parameters of a node, and the callbacks that run when they change.
 
@@ -56,21 +58,16 @@ class ParameterStore:
         overrides: Values from outside the program, which replace the defaults of declarations.
     """
 
-    def __init__(
-        self,
-        node_name: Callable[[], str],
-        clock: Clock,
-        events: Publisher[ParameterEvent],
-        overrides: Mapping[str, Parameter],
-    ) -> None:
-        self._node_name, self._clock = node_name, clock
-        self.events, self.overrides = events, overrides
-        self.values: dict[str, Parameter] = {}
-        self.descriptors: dict[str, ParameterDescriptor] = {}
-        # In all three lists, the newest callback comes first.
-        self.pre_set_callbacks: list[Pre] = []
-        self.on_set_callbacks: list[On] = []
-        self.post_set_callbacks: list[Post] = []
+    node_name: Callable[[], str]
+    clock: Clock
+    events: Publisher[ParameterEvent]
+    overrides: Mapping[str, Parameter]
+    values: dict[str, Parameter] = field(default_factory=dict)
+    descriptors: dict[str, ParameterDescriptor] = field(default_factory=dict)
+    # In all three lists, the newest callback comes first.
+    pre_set_callbacks: list[Pre] = field(default_factory=list)
+    on_set_callbacks: list[On] = field(default_factory=list)
+    post_set_callbacks: list[Post] = field(default_factory=list)
 
     def declare(
         self, namespace: str, parameters: Sequence[tuple[Any, ...]], *, ignore_override: bool
@@ -155,7 +152,7 @@ class ParameterStore:
                 result = SetParametersResult(successful=False, reason="Callback returned an invalid type")
             if not result.successful:
                 return result
-        event = ParameterEvent(node=self._node_name(), stamp=self._clock.now().to_msg())
+        event = ParameterEvent(node=self.node_name(), stamp=self.clock.now().to_msg())
         for parameter in parameters:
             name, message = parameter.name, parameter.to_parameter_msg()
             if parameter.type_ is Parameter.Type.NOT_SET and not new:
