@@ -201,7 +201,7 @@ POSTER = (560, 238)
 TONES = 32
 # Maximum duration of a scene in robot time [s].
 SECONDS = 20.0
-# Robot time [s] before the run of the cell that the scene may include.
+# Robot time [s] that the scene may include from before the run of its cell.
 BEFORE = 10.0
 # Maximum size of a scene's script [bytes].
 ROOM = 36_000

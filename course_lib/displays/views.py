@@ -200,7 +200,7 @@ class Orbit(ViewController):
     )
 
     # Whether the view rotates about z with the target frame.
-    turns = False
+    follows_yaw = False
 
     def mimic(self, other: ViewController, frames: Frames) -> None:
         """Move the camera to the position of another view.
@@ -243,7 +243,7 @@ class Orbit(ViewController):
 
     def _target_rotation(self, transform_target_to_fixed: Matrix) -> Floats:
         x, y = transform_target_to_fixed[:2, 0]
-        yaw = atan2(y, x) if self.turns else 0.0
+        yaw = atan2(y, x) if self.follows_yaw else 0.0
         return np.array([[cos(yaw), -sin(yaw), 0.0], [sin(yaw), cos(yaw), 0.0], [0.0, 0.0, 1.0]])
 
     def _sign(self) -> float:
@@ -293,7 +293,7 @@ class ThirdPersonFollower(XYOrbit):
     """
 
     class_name = "rviz_default_plugins/ThirdPersonFollower"
-    turns = True
+    follows_yaw = True
 
 
 class TopDownOrtho(ViewController):

@@ -50,26 +50,26 @@ class TopicComparison:
 
     Args:
         topic: The topic's name.
-        in_kit: Number of messages in the kit.
-        in_ros: Number of messages on ROS.
+        kit_count: Number of messages in the kit.
+        ros_count: Number of messages on ROS.
         pairs: Number of compared pairs.
         equal: Number of pairs that are equal in all bytes except stamps.
         different_field: A field that differs, or "".
     """
 
     topic: str
-    in_kit: int
-    in_ros: int
+    kit_count: int
+    ros_count: int
     pairs: int
     equal: int
     different_field: str = ""
 
     def __str__(self) -> str:
         if not self.pairs:
-            return f"{self.topic}: kit {self.in_kit}, ROS {self.in_ros} messages"
+            return f"{self.topic}: kit {self.kit_count}, ROS {self.ros_count} messages"
         different = f", others differ in {self.different_field}" if self.different_field else ""
         return (
-            f"{self.topic}: kit {self.in_kit}, ROS {self.in_ros} messages; {self.equal} of "
+            f"{self.topic}: kit {self.kit_count}, ROS {self.ros_count} messages; {self.equal} of "
             f"{self.pairs} pairs bit-equal{different}"
         )
 
@@ -134,8 +134,8 @@ def compare(in_kit: Sequence[Sample], in_ros: Sequence[Sample]) -> list[TopicCom
         comparisons.append(
             TopicComparison(
                 topic,
-                in_kit=len(kit_messages),
-                in_ros=len(ros_messages),
+                kit_count=len(kit_messages),
+                ros_count=len(ros_messages),
                 pairs=len(best),
                 equal=len(best) - len(different),
                 different_field=different_field,
@@ -305,7 +305,8 @@ def _check_task(
 def are_equal_in_value(comparisons: Sequence[TopicComparison]) -> bool:
     """Return whether all messages equal the kit's except for their stamps, and few are missing."""
     return bool(comparisons) and all(
-        one.equal == one.pairs and one.in_ros >= MIN_SHARE * one.in_kit > 0 for one in comparisons
+        topic.equal == topic.pairs and topic.ros_count >= MIN_SHARE * topic.kit_count > 0
+        for topic in comparisons
     )
 
 

@@ -187,7 +187,7 @@ def scene_fragment(
     label: str = "3D view",
     alone: bool = False,
 ) -> str:
-    """Return the element that shows a scene in a page, which needs `bundle_code` at its end.
+    """Return the element that shows a scene in a page. The page needs `bundle_code` at its end.
 
     Args:
         scene: A scene to show in its current state, or a recording to play with a time bar.

@@ -113,12 +113,12 @@ class Triangles:
     # x right, y up, -z ahead of the camera [m], then RGBA, then the coordinates in the mask, x
     # right and y up in 0..1; shape (T, 3, 9)
     corners: Float32s
-    # Whether objects behind it are visible through it.
-    transparent: bool
+    # Whether objects behind the triangles are visible through them.
+    is_transparent: bool
     # factors 0..255 of the alpha, shape (rows, columns), or of each channel, shape (rows, columns,
     # 4); the first row is at the top
     mask: Bytes | None = None
-    # Whether it is behind all later objects.
+    # Whether the triangles are behind all later objects.
     is_behind: bool = False
     # Depth bias as a fraction of the distance.
     farther: float = 0.0
@@ -134,7 +134,7 @@ class Dots:
     colors: Float32s
     # Diameters [m], shape (N,)
     diameters: Float32s
-    transparent: bool
+    is_transparent: bool
     is_round: bool
     is_behind: bool = False
 
@@ -543,7 +543,7 @@ def _pixels(
         for fragments in _fragments(triangles, camera, (width, height)):
             if triangles.is_behind:
                 _blend(depths, colors, [fragments])
-            elif triangles.transparent:
+            elif triangles.is_transparent:
                 seen_through.append(fragments)
             else:
                 visible = np.flatnonzero(fragments.depth < depths[fragments.sample])

@@ -183,7 +183,7 @@ def test_killed_save_leaves_the_layout_unchanged(layout: Path) -> None:
     assert layout.read_bytes() == before
 
 
-def test_layout_that_is_a_link_is_written_where_it_points_to(layout: Path) -> None:
+def test_layout_that_is_a_symlink_is_written_to_its_target(layout: Path) -> None:
     link = layout.with_name("link.rviz")
     link.symlink_to(layout)
     session = session_of(link)

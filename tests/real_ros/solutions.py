@@ -32,7 +32,7 @@ def rows() -> Iterator[str]:
 def row(result: RealResult) -> str:
     """Return the row of a task."""
     counted = [check.passed for check, is_timing in result.checks if not is_timing]
-    messages = ", ".join(f"{one.in_kit} and {one.in_ros}" for one in result.comparisons)
+    messages = ", ".join(f"{one.kit_count} and {one.ros_count}" for one in result.comparisons)
     pairs, equal = (sum(getattr(one, name) for one in result.comparisons) for name in ("pairs", "equal"))
     packages = ", ".join(f"`{name}`" for name in result.packages) or "none"
     checks = f"{sum(counted)} of {len(counted)}"

@@ -49,6 +49,6 @@ def test_program_of_the_documents_publishes_the_same_on_the_real_rclpy(tmp_path:
         comparison for comparison in compare(in_kit.samples, in_ros.samples) if comparison.topic == topic
     ]
     _, rate, at_once = seeds.PROGRAMS[name]
-    assert agreement.in_ros >= (seeds.SECONDS - LOST_SECONDS) * rate * at_once * 0.9
+    assert agreement.ros_count >= (seeds.SECONDS - LOST_SECONDS) * rate * at_once * 0.9
     if name not in differences.OTHER_VALUES:
         assert (agreement.equal, agreement.different_field) == (agreement.pairs, ""), agreement

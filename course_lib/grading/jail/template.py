@@ -196,7 +196,7 @@ class Template:
             os.close(descriptor)
 
     def _limit_sums(self) -> None:
-        """Stop writing if all files are too large, and kill the submission if its memory is."""
+        """Prevent writes if the files are too large; kill the submission above its memory limit."""
         excess = filters.check_memory(
             os.getpid(), self._inherited_bytes, self._limits.memory_of_all_processes
         )

@@ -73,8 +73,8 @@ class Graph:
         notebook: Whether it is a kernel's graph, with the more lenient rules of notebooks.
     """
 
-    # Whether robot time is the wall clock, as with a robot: it cannot be paused or change its
-    # speed.
+    # Whether robot time is the wall clock, as with a robot: it cannot be paused, and its speed is
+    # fixed.
     keeps_wall_time = False
 
     def __init__(

@@ -222,7 +222,7 @@ def _find_in_workspace(name: str) -> ModuleSpec | None:
 
 
 def _is_library(frame: FrameType | None) -> bool:
-    """Return whether a library's module is importing, so that the workspace need not be searched.
+    """Return whether a module of a library does the import; then the workspace is not searched.
 
     numpy alone tries a dozen optional modules, each of which would be searched for in all packages.
     """

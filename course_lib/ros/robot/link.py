@@ -364,7 +364,7 @@ CYCLONE_SERVICES = (
 
 def moved_message(address: str, host: str) -> str:
     """Return a message for a robot that was linked at `address` and now sends from `host`."""
-    # A name still leads to the robot.
+    # An address that is a name instead of a number is still valid.
     has_number = re.fullmatch(r"dds/[\d.]+", address) is not None
     return (
         f"The robot {address} now has the address {host}, and the link follows it."
