@@ -1,14 +1,16 @@
 """The scene widget in a real page: it draws changes from Python and reports actions of the user."""
 
 import base64
+from io import BytesIO
 from itertools import count as count_up
 
 import msgpack
 import numpy as np
 import pytest
+from PIL import Image
 
 from course_lib.viewer import page_link
-from course_lib.viewer.drawables import Mesh
+from course_lib.viewer.drawables import Mesh, Solids
 from course_lib.viewer.encoding import snapshot
 from course_lib.viewer.page_link import Click
 from course_lib.viewer.widget import SceneWidget
@@ -322,3 +324,26 @@ def test_full_screen_view_is_toggled_by_key_or_button_and_resized(host: Host) ->
     host.carry(frames=4)
     host.page.wait_for_selector(AT_REST)
     assert count(host.pixels(), RED) == before
+
+
+SAVED_AND_PLAIN = """() => {
+    const saved = document.querySelector(".course-keeps").courseKeeps()["image/png"];
+    const canvas = document.querySelector(".course-keeps canvas");
+    const scale = Math.min(480 / canvas.width, 360 / canvas.height);
+    const size = { width: Math.round(scale * canvas.width), height: Math.round(scale * canvas.height) };
+    const small = Object.assign(document.createElement("canvas"), size);
+    small.getContext("2d").drawImage(canvas, 0, 0, size.width, size.height);
+    return [saved, small.toDataURL("image/png").split(",")[1]]; }"""
+
+
+def test_picture_that_is_saved_with_a_notebook_is_small(host: Host) -> None:
+    scene = from_above()
+    places = np.tile(np.eye(4), (25, 1, 1))
+    places[:, :2, 3] = [(x, y) for x in range(-2, 3) for y in range(-2, 3)]
+    scene.set_object("balls", Solids("sphere", places, (0.7, 0.7, 0.9, 1)))
+    show_scene(host, scene)
+    host.wait_until(lambda: count(host.pixels(), (120, 120, 150), 60) > 5000)
+    saved, plain = (base64.b64decode(text) for text in host.page.evaluate(SAVED_AND_PLAIN))
+    assert len(saved) < 0.75 * len(plain)
+    pixels, exact = (np.asarray(Image.open(BytesIO(data)).convert("RGB"), int) for data in (saved, plain))
+    assert np.abs(pixels[: len(exact)] - exact).max() <= 3
