@@ -113,16 +113,13 @@ def scored_rows(
         title = f"{title} (hidden)" if check.is_hidden and show_hidden else title
         shares = not check.passed and not check.is_hidden and why
         key = (word, why) if shares else (title, str(len(rows_by_key)))
-        title = _join_titles(rows_by_key[key][1].title, title) if key in rows_by_key else title
+        if key in rows_by_key:
+            # A scenario that the title shares with the last title of the row is left out.
+            titles, (scenario, _, rest) = rows_by_key[key][1].title, title.rpartition(": ")
+            is_shared = scenario and titles.rpartition("; ")[2].startswith(f"{scenario}: ")
+            title = f"{titles}, {rest}" if is_shared else f"{titles}; {title}"
         rows_by_key[key] = (check.score, CheckRow(icon, word, title, why))
     return list(rows_by_key.values())
-
-
-def _join_titles(titles: str, title: str) -> str:
-    """Append a title to a row's titles, without a scenario that it shares with the last title."""
-    scenario, _, rest = title.rpartition(": ")
-    is_shared = scenario and titles.rpartition("; ")[2].startswith(f"{scenario}: ")
-    return f"{titles}, {rest}" if is_shared else f"{titles}; {title}"
 
 
 def fill(template: str, **values: Any) -> str:

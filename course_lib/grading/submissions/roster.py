@@ -7,7 +7,7 @@ export adds its own numbers of students and the times of submission.
 import codecs
 import re
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from datetime import datetime
 from pathlib import Path
@@ -395,7 +395,11 @@ def read_times(path: Path, zone: ZoneInfo, numbers: Collection[str]) -> Times | 
         if 2 * sum(time is not None for time in times) >= len(rows):
             columns[column] = times
     if not columns:
-        return _find_unreadable(file, path, rows)
+        for column, heading in enumerate(file.headings):
+            texts = [cell for row in rows if looks_like_time(cell := file.text(row, column))]
+            if texts and 2 * len(texts) >= len(rows):
+                return Times(f"{path.name}, {heading}", {}, unread=texts[0])
+        return None
     # The submission column has the heading, or is the first column without a predominant date:
     # platforms put the time of grading after it, and a due date is the same for most students.
     submission_columns = [place for place in columns if SUBMISSION.search(file.headings[place])]
@@ -408,15 +412,6 @@ def read_times(path: Path, zone: ZoneInfo, numbers: Collection[str]) -> Times | 
     keys = [_key(file.text(row, place), numbers) for row in rows]
     times_by_student = {key: time for key, time in zip(keys, columns[time_column], strict=True) if time}
     return Times(f"{path.name}, {file.headings[time_column]}", times_by_student)
-
-
-def _find_unreadable(file: LmsFile, path: Path, rows: Sequence[int]) -> Times | None:
-    """Return a `Times` without entries for a column of unreadable times, or None."""
-    for column in range(len(file.headings)):
-        time_texts = [cell for row in rows if looks_like_time(cell := file.text(row, column))]
-        if time_texts and 2 * len(time_texts) >= len(rows):
-            return Times(f"{path.name}, {file.headings[column]}", {}, unread=time_texts[0])
-    return None
 
 
 def _number_column(file: LmsFile, numbers: Collection[str], path: Path) -> int:

@@ -16,6 +16,7 @@ import os
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from functools import lru_cache
@@ -143,7 +144,11 @@ class Ledger:
         inner = [folder for folder in path.parents if self.top in folder.parents]
         lists = [(folder / LIST).relative_to(self.top) for folder in inner if (folder / LIST).is_file()]
         notes += [f"{path.as_posix()} is not trusted: only {LIST} at the top counts" for path in lists]
-        receipt_time = _receipt_time(receipt)
+        receipt_time = None
+        # A student can write anything into a receipt.
+        with suppress(KeyError, TypeError, ValueError, OverflowError):
+            written = datetime.fromisoformat(receipt["time"])
+            receipt_time = written.astimezone(UTC) if written.tzinfo and written.year in YEARS else None
         time, source = (entry.time, entry.source) if entry else (None, "")
         stamp = self._stamp_of(path)
         if time is None and stamp is not None:
@@ -224,15 +229,6 @@ def _read_stamp(path: Path) -> tuple[datetime | None, str]:
     except (OSError, ValueError, LookupError, OverflowError) as error:
         return None, f"{path.parent.name}/{path.name}: {error}. Expected {EXAMPLES[STAMP]}"
     return time, ""
-
-
-def _receipt_time(receipt: Mapping[str, Any]) -> datetime | None:
-    try:
-        time = datetime.fromisoformat(receipt["time"])
-        return time.astimezone(UTC) if time.tzinfo and time.year in YEARS else None
-    except (KeyError, TypeError, ValueError, OverflowError):
-        # A student can write anything into a receipt.
-        return None
 
 
 def find_submissions(
