@@ -428,7 +428,9 @@ def _missing_value_hint(error: BaseException, text: str) -> str:
 def _callback_hint(error: BaseException) -> str:
     """Return the hint for a callback that is given as a string, or as another value, or ""."""
     frame = frame_of(error)
-    callback = frame.f_locals.get("callback") if frame is not None else None
+    # The error may come from a function that create_subscription calls.
+    steps = [step.f_locals for step, _ in walk_tb(error.__traceback__)]
+    callback = next((names["callback"] for names in steps[::-1] if "callback" in names), None)
     is_called = re.match(r"'\w+' object is not callable", _text(error))
     if frame is not None and callback is None and is_called:
         # A timer accepts anything, and calls it when it is due.
