@@ -161,6 +161,8 @@ def known_name(class_name: str) -> str:
             )
         names = [short_name(name) for name in REGISTRY]
         same = [name for name in names if name.lower() == short_name(class_name).lower()]
+        # RViz2's class of a Path is PathDisplay.
+        same = same or [name for name in names if f"{name}display".lower() == class_name.lower()]
         near = same or get_close_matches(short_name(class_name), names, 3) or names
         suggestions = near[0] if len(near) == 1 else f"one of {', '.join(near)}"
         raise CourseError(f"There is no display {class_name!r}; use {suggestions}.")

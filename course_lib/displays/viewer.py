@@ -226,6 +226,9 @@ class Viewer(KnownAttributes):
         if not isinstance(view, ViewController):
             is_class = isinstance(view, type) and issubclass(view, ViewController)
             example = view.__name__ if is_class else "Orbit"
+            names = [kind.__name__ for kind in ViewController.__subclasses__()]
+            if isinstance(view, str):
+                example = next((one for one in names if one.lower() == view.lower()), example)
             raise CourseError(f"{view!r} is not a view; assign one, like viewer.view = {example}().")
         self.session.view = view
 

@@ -29,7 +29,7 @@ from course_lib.grading.kept_state import find_growing_list
 from course_lib.grading.node_slips import find_slip
 from course_lib.grading.records import TaskResult
 from course_lib.grading.run.scenario import NO_NODE
-from course_lib.grading.slips import IN_PLACE, Function, find_hidden_error, parse
+from course_lib.grading.slips import IN_PLACE, UNREAD, Function, find_hidden_error, parse
 from course_lib.grading.task import HINTS, Task, resolve
 from course_lib.ros.messages import to_plain
 
@@ -121,7 +121,7 @@ class Advice:
         elif task.scenarios and not result.passed:
             hints = self.hint(task, result, source, caught)
             # A mistake in the code that a handler of the student hides.
-            hidden = caught.mistake if caught is not None and not result.errors else ""
+            hidden = caught.mistake if caught is not None else ""
             causes = (
                 [f"Hint: {hidden}"] * bool(hidden)
                 or parameter_order_hint(task, source)
@@ -189,6 +189,9 @@ class Advice:
             }
             found_surplus = bool(failed & (_OLD_ITEMS | _SURPLUS - set(task.mistakes)))
             slip = find_growing_list(source, is_certain=not found_surplus)
+        # A message that is never sent has a better hint, the missing call.
+        if causes[:1] == [SILENT] and slip.endswith(UNREAD) and texts[0]:
+            slip = ""
         best_hint = slip or next((text for text in texts if text and not code.follows(text)), "")
         lines = [f"Hint: {best_hint}"] if best_hint else []
         if before is not None and (now.passed, now.fraction) > (before.passed, before.fraction):

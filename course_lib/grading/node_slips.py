@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 from functools import cache
+from itertools import combinations
 
 from course_lib.grading.number_slips import number_slips
 from course_lib.grading.slips import (
@@ -59,7 +60,16 @@ def find_slip(source: str) -> str:
                 *_replaced_stamps(outer),
             ):
                 return slip
-    return next(_exchanged_arguments(tree), "")
+    return next(_exchanged_arguments(tree), "") or next(_variants_of_names(tree), "")
+
+
+def _variants_of_names(tree: ast.AST) -> Iterator[str]:
+    """Yield a sentence for two strings like base_link and Base_link, which differ in case only."""
+    strings = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
+    names = [one for one in strings if isinstance(one, str) and re.fullmatch(r"/?\w+_\w+", one)]
+    for name, later in combinations(dict.fromkeys(names), 2):
+        if name.lower() == later.lower():
+            yield f"{name!r} and {later!r} are two names: ROS distinguishes upper and lower case."
 
 
 def _exchanged_arguments(tree: ast.AST) -> Iterator[str]:
@@ -178,11 +188,40 @@ def _odd_parameter_callbacks(cls: ast.ClassDef) -> Iterator[str]:
                         f"{first} is only the first parameter of a call, which may set several: "
                         "write a loop over all of them."
                     )
+                elif late := _late_check(methods[name]):
+                    yield late
                 elif _may_end_without_return(methods[name].body):
                     yield (
                         f"{name} may end without return, and then ROS rejects the value: end it "
                         f"with {result}."
                     )
+
+
+def _late_check(function: Function) -> str:
+    """Return a sentence about a timer that a parameter callback changes too early, or "".
+
+    A new timer may also get the old value of the parameter.
+    """
+    for node in ast.walk(function):
+        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("create_timer"):
+            for old in ast.walk(node):
+                if isinstance(old, ast.Call) and ast.unparse(old.func).endswith("get_parameter"):
+                    return (
+                        f"{quote(old)} in {function.name} still has the old value: ROS sets the new "
+                        "one after this callback. Use parameter.value."
+                    )
+        changed = ""
+        body = getattr(node, "body", [])
+        for statement in body if isinstance(body, list) else []:
+            text = ast.unparse(statement)
+            if isinstance(statement, ast.If) and changed and "successful=False" in text:
+                return (
+                    f"{changed} comes before the value is checked, so a rejected value changes the "
+                    "timer, too: return successful=False first."
+                )
+            if not isinstance(statement, ast.If) and re.search(r"(create|destroy)_timer\(", text):
+                changed = changed or quote(statement)
+    return ""
 
 
 # By the method or class that creates an object: the attributes that rclpy reads from it later, and
@@ -212,6 +251,16 @@ def _unread_attributes(cls: ast.ClassDef) -> Iterator[str]:
                     created |= {ast.unparse(target): kind for target in node.targets}
             case ast.Attribute(attr=name, ctx=ast.Load()):
                 read.add(name)
+    idle = [name for name, kind in created.items() if kind == "TransformBroadcaster"]
+    idle = [name for name in idle if name.rpartition(".")[2] not in read]
+    for method in cls.body if idle else ():
+        for node in ast.walk(method) if getattr(method, "name", "__init__") != "__init__" else ():
+            name = ast.unparse(node) if isinstance(node, ast.Attribute) else ""
+            if created.get(name, "").startswith("Static"):
+                yield (
+                    f"{name} is for frames that never move, and {idle[0]} is not used: "
+                    f"{getattr(method, 'name', '')} needs {idle[0]}."
+                )
     for node in ast.walk(cls):
         match node:
             case ast.Assign(targets=[ast.Attribute(value=owner, attr=name)]) if kind := created.get(

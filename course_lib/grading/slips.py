@@ -49,6 +49,7 @@ def function_slips(function: Function, attributes: set[str]) -> Iterator[str]:
         yield from _unreachable(block)
         yield from _late_settings(block)
         yield from _shared_lists(block, function)
+    yield from _item_products(function)
     yield from _odd_conditions(function)
     yield from _replaced_parameters(function)
     yield from _odd_calls(function)
@@ -59,12 +60,15 @@ def function_slips(function: Function, attributes: set[str]) -> Iterator[str]:
         yield from _blocking_calls(function)
         yield from _waiting_loops(function)
         yield from _odd_node_calls(function)
+        yield from _foreign_lookups(function)
         yield from _lost_counts(function)
         yield from _reset_attributes(function)
     yield from _other_files(function)
+    yield from _other_viewers(function)
     yield from _lost_locals(function, attributes)
     yield from _unused_fields(function)
     yield from _plain_strings(function)
+    yield from _unread_names(function)
 
 
 def _blocks(function: Function) -> Iterator[Sequence[ast.stmt]]:
@@ -580,11 +584,13 @@ def _odd_node_calls(function: Function) -> Iterator[str]:
     """
     for node in ast.walk(function):
         match node:
-            case ast.Call(func=ast.Attribute(attr="lookup_transform"), args=[_, _, time], keywords=[]) if (
-                re.search(r"\.now\(\)(\.to_msg\(\))?$", ast.unparse(time))
-            ):
+            case ast.Call(
+                func=ast.Attribute(attr="lookup_transform" | "can_transform" as method),
+                args=[_, _, time],
+                keywords=[],
+            ) if re.search(r"\.now\(\)(\.to_msg\(\))?$", ast.unparse(time)):
                 yield (
-                    f"{ast.unparse(time)} in lookup_transform is later than the last transform "
+                    f"{ast.unparse(time)} in {method} is later than the last transform "
                     "that has arrived: pass the stamp of a message, or Time() for the newest "
                     "transform."
                 )
@@ -601,6 +607,69 @@ def _odd_node_calls(function: Function) -> Iterator[str]:
                     f"{quote(node)} calls its function once, by the wall clock. A timer of the "
                     "node calls it repeatedly: self.create_timer(period, function)."
                 )
+
+
+def _foreign_lookups(function: Function) -> Iterator[str]:
+    """Yield a sentence for each lookup for a message that ignores the message's frame or stamp."""
+    given = {argument.arg for argument in function.args.args[1:]}
+    moved = {
+        node.args[0].id
+        for node in ast.walk(function)
+        if isinstance(node, ast.Call) and "do_transform_" in ast.unparse(node.func)
+        if node.args and isinstance(node.args[0], ast.Name)
+    }
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(func=ast.Attribute(attr="lookup_transform"), args=[target, source, time, *_]) if (
+                given & moved and "header" not in ast.unparse(target)
+            ):
+                header = f"{min(given & moved)}.header"
+                if isinstance(source, ast.Constant):
+                    yield (
+                        f"lookup_transform has the fixed frame {source.value!r}, and a message may "
+                        f"be in another one: pass {header}.frame_id."
+                    )
+                if re.fullmatch(r"(\w+\.)*Time\(\)", ast.unparse(time)):
+                    yield (
+                        f"{ast.unparse(time)} in lookup_transform requests the newest transform. "
+                        f"The message was stamped earlier: pass {header}.stamp."
+                    )
+
+
+def _other_viewers(function: Function) -> Iterator[str]:
+    """Yield a sentence about a layout whose displays are added to the viewer of another cell."""
+    own = [name for name, kind in map(created_object, function.body) if kind == "Viewer"]
+    names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
+    stored = {node.id for node in names if isinstance(node.ctx, ast.Store)}
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(
+                func=ast.Attribute(value=ast.Name(id=name), attr="add" | "save_rviz" as method)
+            ) if own and name not in stored:
+                yield (
+                    f"{quote(node)} uses the {name} of another cell, and this function has its own "
+                    f"one, {own[0]}: write {own[0]}.{method}."
+                )
+
+
+UNREAD = "which nothing reads afterwards."
+
+
+def _unread_names(function: Function) -> Iterator[str]:
+    """Yield a sentence for each parameter and each result of a call that a function never reads."""
+    names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
+    read = {node.id for node in names if not isinstance(node.ctx, ast.Store)}
+    read |= {name for node in ast.walk(function) if isinstance(node, ast.Global) for name in node.names}
+    parameters = [argument.arg for argument in function.args.args]
+    for name in parameters if "self" not in parameters[:1] else ():
+        if name not in read and not name.startswith("_"):
+            yield f"{function.name} never uses {name}: does its result not depend on it?"
+    for node in ast.walk(function):
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call()) if (
+                name not in read and not name.startswith("_")
+            ):
+                yield f"{quote(node)} sets {name}, {UNREAD}"
 
 
 def _unused_fields(function: Function) -> Iterator[str]:
@@ -636,6 +705,28 @@ def _odd_calls(function: Function) -> Iterator[str]:
     """Yield a sentence for each empty result of a parameter callback, and for each product of three."""
     for node in ast.walk(function):
         match node:
+            case ast.For(
+                target=ast.Name(id=index),
+                iter=ast.Call(
+                    func=ast.Name(id="range"),
+                    args=[ast.BinOp(left=ast.Call(func=ast.Name(id="len")) as length, op=ast.Sub())],
+                ) as numbers,
+            ) if not any(isinstance(part, ast.BinOp) and uses(part, index) for part in ast.walk(node)):
+                yield (
+                    f"{quote(numbers)} leaves out the last item: the indices are "
+                    f"range({ast.unparse(length)})."
+                )
+            case ast.Expr(value=ast.Call(func=ast.Attribute(value=items, attr="pop"), args=[])) if (
+                f"{ast.unparse(items)}.append(" in ast.unparse(function)
+            ):
+                yield (
+                    f"{quote(node)} removes the newest item: {ast.unparse(items)}.pop(0) removes "
+                    "the oldest one."
+                )
+            case ast.Return(value=ast.Name(id="SetParametersResult")):
+                yield (
+                    "SetParametersResult is the class: return a result, SetParametersResult(successful=True)."
+                )
             case ast.Return(value=ast.Call(func=ast.Name("SetParametersResult"), args=[], keywords=[])):
                 yield (
                     "SetParametersResult() rejects the values, without a reason. Write "
@@ -681,6 +772,28 @@ def find_hidden_error(source: str) -> str:
                     "or catch only the exception that you expect."
                 )
     return ""
+
+
+def _item_products(function: Function) -> Iterator[str]:
+    """Yield a sentence for each product or sum of a matrix that is computed item by item."""
+    matrices = [
+        ast.unparse(node.targets[0])
+        for node in ast.walk(function)
+        if isinstance(node, ast.Assign) and ast.unparse(node.value).startswith("np.eye(")
+    ]
+    for node in ast.walk(function):
+        match node:
+            case ast.BinOp(left=ast.Name(id=name), op=ast.Mult(), right=ast.Call()) if name in matrices:
+                yield f"{quote(node)} multiplies item by item: @ multiplies matrices."
+            case ast.Call(func=ast.Attribute(attr="multiply"), args=[ast.Name(id=name), other]) if (
+                name in matrices
+            ):
+                yield f"np.multiply multiplies item by item: write {name} @ {ast.unparse(other)}."
+            case ast.AugAssign(
+                target=ast.Name(id=name), op=ast.Add() | ast.Mult(), value=ast.BinOp(op=ast.MatMult())
+            ) if name in matrices:
+                product = f"{name} = {name} @ …"
+                yield f"{quote(node)} combines item by item: transforms are multiplied, {product}."
 
 
 def _odd_conditions(function: Function) -> Iterator[str]:

@@ -129,6 +129,7 @@ def _find_hint(error: BaseException) -> str:
         or value_hints.pair_hint(error, text)
         or value_hints.value_hint(error, text)
         or import_hints.skipped_interfaces_hint(error)
+        or _file_hint(error)
         or _table_hint(error, text)
         or _missing_value_hint(error, text)
     ):
@@ -291,9 +292,10 @@ def _table_hint(error: BaseException, text: str) -> str:
         if match and row.mistake in (None, mistake_of(error)):
             groups = (match[0], *match.groups())
             calls = [near_names.call_with_fields(group or "") or f"{group}()" for group in groups]
-            frame = frame_of(error)
             # The name of the callback that rclpy rejects, or an example of one.
-            name = getattr(frame.f_locals.get("callback") if frame else None, "__name__", "")
+            steps = [step.f_locals for step, _ in walk_tb(error.__traceback__)]
+            callback = next((names["callback"] for names in steps[::-1] if "callback" in names), None)
+            name = getattr(callback, "__name__", "")
             method = name if isinstance(name, str) and name.isidentifier() else "heard"
             return row.hint.format(*groups, call=calls[-1], method=method)
     return ""
@@ -437,7 +439,7 @@ def _callback_hint(error: BaseException) -> str:
         callback = getattr(frame.f_locals.get("entity"), "callback", None)
     if not isinstance(error, RuntimeError | TypeError):
         return ""
-    if isinstance(callback, str):
+    if isinstance(callback, str) and (isinstance(error, RuntimeError) or is_called):
         return f"the callback is a function and not its name: write self.{callback}, without quotes."
     if is_called and callback is not None and not callable(callback):
         value = f"{callback!r:.40}, " if is_native(type(callback)) else ""
@@ -532,6 +534,20 @@ def _base_class_hint(error: BaseException) -> str:
         f"{match[1]} is a variable here, {match[1]} = …, and hides the class {match[1]}: choose "
         "another name for it, and import the class again."
     )
+
+
+def _file_hint(error: BaseException) -> str:
+    """Return a question with the file of the folder that a missing file's name resembles, or ""."""
+    missing = error.filename if isinstance(error, FileNotFoundError) else None
+    if not isinstance(missing, str | Path) or len(str(missing)) > MAX_TEXT:
+        return ""
+    path = Path(missing)
+    try:
+        files = [one.name for one in path.parent.iterdir()]
+    except OSError:
+        return ""
+    similar = near_names.nearest(path.name, files)
+    return f"did you mean {str(path.with_name(similar))!r}? That file exists." if similar else ""
 
 
 def _loop_hint(error: BaseException, text: str) -> str:

@@ -694,8 +694,11 @@ def keyword_hint(error: BaseException) -> str:
     if (other := _OTHER_KEYWORDS.get(match[2], "")) in names:
         return f"did you mean `{other}`?"
     # A property's label, like "Fixed Frame", is written in small letters with underscores.
-    similar = nearest(match[2].lower().replace(" ", "_"), names, 0.6) or next(
-        (n for n in names if n.startswith(match[2])), ""
+    label = match[2].lower().replace(" ", "_")
+    similar = (
+        label
+        if label in names
+        else nearest(label, names, 0.6) or next((n for n in names if n.startswith(match[2])), "")
     )
     if match[2] == "queue_size" and "qos_profile" in names:
         return "queue_size is from ROS 1: write the number alone, like 10, as the last argument."

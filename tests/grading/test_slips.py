@@ -369,6 +369,43 @@ SLIPS += [
         '"lifetime = Duration(seconds=1.0)" sets a variable that nothing reads: is marker.lifetime meant?',
     ),
     (
+        ("place = np.eye(4)", "place = place * shifted(shift)", "return place"),
+        '"place * shifted(shift)" multiplies item by item: @ multiplies matrices.',
+    ),
+    (
+        ("place = np.eye(4)", "place = np.multiply(place, shift)", "return place"),
+        "np.multiply multiplies item by item: write place @ shift.",
+    ),
+    (
+        ("place = np.eye(4)", "place += shift @ turn", "return place"),
+        '"place += shift @ turn" combines item by item',
+    ),
+    (
+        ("for i in range(len(joints) - 1):", "    print(joints[i])"),
+        '"range(len(joints) - 1)" leaves out the last item: the indices are range(len(joints)).',
+    ),
+    (
+        ("self.poses.append(pose)", "if len(self.poses) > 9:", "    self.poses.pop()"),
+        '"self.poses.pop()" removes the newest item: self.poses.pop(0) removes the oldest one.',
+    ),
+    (
+        ("return self.buffer.can_transform('map', 'base', self.get_clock().now())",),
+        "self.get_clock().now() in can_transform is later than the last transform",
+    ),
+    (("return SetParametersResult",), "SetParametersResult is the class: return a result"),
+    (
+        ("made = Viewer()", "viewer.add('TF')", "made.save_rviz('a.rviz')"),
+        "\"viewer.add('TF')\" uses the viewer of another cell, and this function has its own one, made",
+    ),
+    (
+        ("carried = self.buffer.transform(message, 'map')", "self.publisher.publish(message)"),
+        "\"carried = self.buffer.transform(message, 'map')\" sets carried, which nothing reads afterwards.",
+    ),
+    (
+        ("print('base_link', 'Base_link')",),
+        "'base_link' and 'Base_link' are two names: ROS distinguishes upper and lower case.",
+    ),
+    (
         ("threading.Thread(target=self.paint).start()",),
         '"threading.Thread(target=self.paint)" calls its function once, by the wall clock.',
     ),
@@ -414,6 +451,59 @@ def test_parameter_callback_that_returns_nothing_is_reported(lines: tuple[str, .
     assert slip.startswith(sentence) if sentence else slip == ""
     coroutine = source.replace("def tick", "async def tick")
     assert find_slip(coroutine).startswith("async makes tick return a coroutine")
+
+
+CHANGE = "    self.timer = self.create_timer(1 / one.value, self.paint)"
+REJECT = "    if one.value < 1.0:", "        return SetParametersResult(successful=False)"
+ACCEPT = "return SetParametersResult(successful=True)"
+
+
+@pytest.mark.parametrize(
+    ("lines", "sentence"),
+    [
+        ((CHANGE, *REJECT), '"self.timer = self.create_timer(1 / one.value, self.paint)" comes before'),
+        (
+            (*REJECT, CHANGE.replace("one.value", "self.get_parameter('rate').value")),
+            "\"self.get_parameter('rate')\" in tick still has the old value",
+        ),
+        ((*REJECT, CHANGE), ""),
+    ],
+)
+def test_timer_that_a_parameter_callback_changes_wrongly_is_reported(
+    lines: tuple[str, ...], sentence: str
+) -> None:
+    source = method("for one in parameters:", *lines, ACCEPT)
+    source = source.replace("self.angle = 0.0", "self.add_on_set_parameters_callback(self.tick)")
+    slip = find_slip(source)
+    assert slip.startswith(sentence) if sentence else slip.startswith("create_timer is in tick")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ("'map', message.header.frame_id, Time()", "Time() in lookup_transform requests the newest"),
+        ("'map', 'camera', message.header.stamp", "lookup_transform has the fixed frame 'camera'"),
+        ("'map', message.header.frame_id, message.header.stamp", ""),
+    ],
+)
+def test_lookup_for_a_message_without_its_frame_or_stamp_is_reported(arguments: str, sentence: str) -> None:
+    lookup = f"found = self.buffer.lookup_transform({arguments})"
+    source = method(lookup, "self.publisher.publish(do_transform_point(message, found))")
+    slip = find_slip(source.replace("tick(self)", "heard(self, message)"))
+    assert slip.startswith(sentence) if sentence else slip == ""
+
+
+def test_static_broadcaster_in_place_of_the_other_one_is_reported() -> None:
+    both = "self.one = TransformBroadcaster(self); self.fixed = StaticTransformBroadcaster(self)"
+    source = method("self.fixed.sendTransform(hand)").replace("self.angle = 0.0", both)
+    assert find_slip(source).startswith("self.fixed is for frames that never move, and self.one is not")
+    assert find_slip(source.replace("fixed.send", "one.send")) == ""
+
+
+def test_parameter_that_a_function_never_reads_is_reported() -> None:
+    source = "def place(joints, tip):\n    return joints[0]\n"
+    assert find_slip(source) == "place never uses tip: does its result not depend on it?"
+    assert find_slip(source.replace("tip", "_tip")) == ""
 
 
 def test_comparison_with_an_undeclared_parameter_is_reported() -> None:
