@@ -160,6 +160,9 @@ def test_notice_below_a_narrow_view_is_not_cut_off(bench: Bench, tmp_path: Path)
     assert notice.evaluate("notice => notice.scrollWidth <= notice.clientWidth")
     status = bench.page.locator(".course-line").first
     assert status.evaluate("status => status.clientWidth") > 60
+    parts = bench.page.locator(".course-lines, .course-lines button")
+    hidden = parts.evaluate_all("parts => parts.map((part) => part.scrollWidth - part.clientWidth)")
+    assert max(hidden) <= 0
 
 
 @pytest.mark.slow
