@@ -361,14 +361,14 @@ def _origin_hint(missing: str, frame: FrameType) -> str:
     """Return a hint that asks where a name without a similar one is defined, or ""."""
     if is_launch_file(frame):
         return f"no line of the launch file defines {missing}. Strings need quotes."
-    if parameters := _parameters(frame.f_code):
+    code = frame.f_code
+    names = [name for name in code.co_varnames[: code.co_argcount] if name != "self"]
+    # The code outside of functions has a name like <module>.
+    if names and code.co_name.isidentifier():
         # A program is a file, and a cell has a name that IPython makes up.
-        where = (
-            "defined outside of it"
-            if os.path.isfile(frame.f_code.co_filename)
-            else "that cells of this notebook define"
-        )
-        return f"{frame.f_code.co_name} can use {parameters}, and names {where}. Where is {missing} from?"
+        is_program = os.path.isfile(code.co_filename)
+        where = "defined outside of it" if is_program else "that cells of this notebook define"
+        return f"{code.co_name} can use {join_words(names)}, and names {where}. Where is {missing} from?"
     return ""
 
 
@@ -455,12 +455,6 @@ def _constant_of(name: str, names: Mapping[str, object]) -> str:
     kinds = {key: cls for key, cls in names.items() if isinstance(cls, type)}
     classes = ((key, cls) for key, cls in kinds.items() if hasattr(cls, "get_fields_and_field_types"))
     return next((f"{key}.{name}" for key, cls in classes if isinstance(getattr(cls, name, None), int)), "")
-
-
-def _parameters(code: CodeType) -> str:
-    """Return a function's parameters, like "a, b and c", without self; "" outside of a function."""
-    names = [name for name in code.co_varnames[: code.co_argcount] if name != "self"]
-    return join_words(names) if code.co_name.isidentifier() else ""
 
 
 def parameter_hint(error: BaseException) -> str:

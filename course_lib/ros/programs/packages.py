@@ -246,22 +246,18 @@ def workspace_of(path: Path) -> Path | None:
         return None
     base = package.parent if package is not None else path.resolve()
     above = (base, *base.parents)
+    near = above[: SRC_WITHIN if package is None else SRC_WITHIN - 1]
+    checkout = next((folder for folder in near if (folder / ".git").exists()), None)
     if package is not None:
         source = next((folder for folder in above if folder.name == "src"), None)
-        return source or _checkout(above[: SRC_WITHIN - 1]) or base
-    above = above[:SRC_WITHIN]
-    checkout = _checkout(above)
+        return source or checkout or base
     if checkout is not None and any(checkout.glob(f"*/{MANIFEST}")):
         return checkout
-    for folder in above:
+    for folder in near:
         for source in (folder, folder / "src"):
             if source.name == "src" and source.is_dir() and _folders_below(source):
                 return source
     return None
-
-
-def _checkout(folders: tuple[Path, ...]) -> Path | None:
-    return next((folder for folder in folders if (folder / ".git").exists()), None)
 
 
 def _paths_in_variable(variable: str) -> list[Path]:

@@ -152,12 +152,19 @@ class TypeDescriptionService:
         if name is None:
             response.failure_reason = "Type not currently in use by this node"
             return response
-        first, *referenced = describe_type(name).values()
-        response.type_description.type_description = _individual(first)
-        referenced.sort(key=lambda d: d["type_name"])
-        response.type_description.referenced_type_descriptions = [_individual(d) for d in referenced]
+        descriptions = [
+            IndividualTypeDescription(
+                type_name=description["type_name"],
+                fields=[Field(name=f["name"], type=FieldType(**f["type"])) for f in description["fields"]],
+            )
+            for description in describe_type(name).values()
+        ]
+        first, *referenced = descriptions
+        referenced.sort(key=lambda description: description.type_name)
+        response.type_description.type_description = first
+        response.type_description.referenced_type_descriptions = referenced
         if request.include_type_sources:
-            for type_name in (d["type_name"] for d in (first, *referenced)):
+            for type_name in (description.type_name for description in (first, *referenced)):
                 # Service types and their events are not defined by a message's file.
                 if type_name in field_definitions() and not type_name.endswith(EVENT_PART):
                     # The definition without comments and nested types.
@@ -166,8 +173,3 @@ class TypeDescriptionService:
                     response.type_sources.append(source)
         response.successful = True
         return response
-
-
-def _individual(description: dict[str, Any]) -> IndividualTypeDescription:
-    fields = [Field(name=field["name"], type=FieldType(**field["type"])) for field in description["fields"]]
-    return IndividualTypeDescription(type_name=description["type_name"], fields=fields)

@@ -121,10 +121,6 @@ class ServerGoalHandle:
         """Invalidate the goal: its status is UNKNOWN from now on, and later events are ignored."""
         self.status = GoalStatus.STATUS_UNKNOWN
 
-    def _course_to_message(self) -> GoalStatus:
-        """Return the status message of the goal."""
-        return GoalStatus(goal_info=self._goal_info, status=self.status)
-
     def _update_state(self, event: GoalEvent) -> None:
         if self.status == GoalStatus.STATUS_UNKNOWN:
             return
@@ -301,9 +297,9 @@ class ActionServer:
             self.__ends_ns[bytes(goal.goal_id.uuid)] = self._node.handle.graph.now_ns
         if not self._node.context.is_valid:
             raise RCLError("Failed get goal status array: feedback publisher is invalid")
-        self.__status.publish(
-            GoalStatusArray(status_list=[goal._course_to_message() for goal in self._goal_handles.values()])
-        )
+        goals = self._goal_handles.values()
+        statuses = [GoalStatus(goal_info=goal._goal_info, status=goal.status) for goal in goals]
+        self.__status.publish(GoalStatusArray(status_list=statuses))
 
     def notify_execute(
         self, goal_handle: ServerGoalHandle, execute_callback: Callable[[ServerGoalHandle], Any] | None
@@ -374,7 +370,7 @@ class ActionServer:
                 except RCLError as error:
                     self._logger.debug(f"Failed to cancel goal in cancel callback: {error}")
                 else:
-                    response.goals_canceling.append(goal._course_to_message().goal_info)
+                    response.goals_canceling.append(goal._goal_info)
         respond(response)
 
     def __goals_to_cancel(
