@@ -169,8 +169,8 @@ MESSAGES = [
     (
         "Marker().points.x",
         "AttributeError: 'list' object has no attribute 'x'",
-        "this is a list: select one of its items, like [0], or loop over it with for. If none is "
-        "meant, look where it was set.",
+        "this is a list: select one of its items, like [0], or loop over it with for. If you expected "
+        "neither, look where it was set.",
     ),
     (
         "open('no_such.rviz')",
