@@ -137,6 +137,7 @@ def test_remove_deletes_a_display_and_its_objects(graph: Graph) -> None:
 
 MISTAKES: dict[str, tuple[Callable[[Viewer], Any], str]] = {
     "class": (lambda v: v.add("Markr"), "no display 'Markr'; use one of Marker, MarkerArray"),
+    "class of RViz2": (lambda v: v.add("PathDisplay"), "no display 'PathDisplay'; use Path."),
     "class with one near name": (lambda v: v.add("LaserSkan"), "no display 'LaserSkan'; use LaserScan."),
     "property": (lambda v: v.add("Marker", topc="/m"), "has no property 'topc'; it has 'Topic'"),
     "value": (lambda v: v.add("Grid", plane="XX"), "'Plane' is 'XX', expected one of 'XY', 'XZ', 'YZ'"),
@@ -156,7 +157,7 @@ def test_invalid_call_is_an_error_with_the_correct_usage(name: str, graph: Graph
 def test_invalid_view_is_rejected_and_the_current_view_is_kept() -> None:
     viewer = Viewer()
     with pytest.raises(
-        CourseError, match=r"'TopDownOrtho' is not a view; assign one, like viewer.view = Orbit\(\)"
+        CourseError, match=r"'TopDownOrtho' is not a view; assign one, like viewer.view = TopDownOrtho\(\)"
     ):
         viewer.view = "TopDownOrtho"  # type: ignore[assignment]
     assert isinstance(viewer.view, Orbit)
