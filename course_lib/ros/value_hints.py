@@ -75,7 +75,7 @@ def value_hint(error: BaseException, text: str) -> str:
 def _several_values_hint(value: object, kind: str, line: str) -> str:
     """Return the hint for a function's several values that are assigned to too few or exchanged names."""
     # In status.message, status.level = found, the names on the left may be exchanged.
-    if re.match(r"\s*[\w.]+\s*,\s*[\w.]+\s*=[^=]", line) and type(value) in (bytes, str):
+    if re.match(r"\s*[\w.]+\s*,\s*[\w.]+\s*=[^=]", line) and kind != "bytes" and type(value) in (bytes, str):
         name = type(value).__name__
         return f"this is of type {name}: are the names on the left of = in the order of the values?"
     if isinstance(value, tuple) and kind == "bytes":

@@ -247,6 +247,7 @@ MISTAKES = {
             "from nav_msgs.msg import Path\nfrom geometry_msgs.msg import Pose\npath = Path(poses=[Pose()])",
             "marker = Marker()\nmarker.header.frame_id = PoseStamped().header",
             "status = DiagnosticStatus()\nstatus.level = DiagnosticStatus.OK, 'normal'",
+            "status = DiagnosticStatus()\nstatus.level, status.message = 'OK', 'normal'",
             "status = DiagnosticStatus()\nstatus.message, status.level = DiagnosticStatus.OK, 'normal'",
             "from sensor_msgs.msg import Image\nImage(width=-1)",
             "Twist().linear.x = 1",

@@ -526,4 +526,9 @@ MESSAGES = [
         "TypeError: Expected <class 'visualization_msgs.msg._marker.Marker'>, got <class 'dict'>",
         "publish a message: create one with `Marker()`, and set its fields.",
     ),
+    (
+        "status = DiagnosticStatus()\nstatus.level, status.message = 'OK', 'normal'",
+        "AssertionError: The 'level' field must be of type 'bytes' or 'ByteString' with length 1",
+        "write `DiagnosticStatus.OK`, WARN, ERROR or STALE.",
+    ),
 ]
