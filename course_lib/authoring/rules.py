@@ -378,14 +378,6 @@ FOR_EXTRAS: tuple[Rule, ...] = (missing_answers, wrong_minutes, wrong_minutes_in
 OURS = re.compile(r"(rclpy|tf2_\w+|\w+_msgs|launch\w*|course_lib|ament_index_python|rcl_interfaces)(\.|$)")
 
 
-def untaught_names(solution: Path, lessons: Sequence[Path]) -> Iterator[str]:
-    """Yield each name from ROS or the kit in an answer that does not occur in these lessons."""
-    taught = "\n".join(source(cell) for path in lessons for cell in read_notebook(path)["cells"])
-    for name in dict.fromkeys(names_in_answers(code_of(solution))):
-        if not re.search(rf"\b{re.escape(name)}\b", taught):
-            yield f"an answer uses {name}, which no lesson up to this week shows"
-
-
 def code_of(path: Path) -> str:
     """Return the code of a solution without cells tagged `solution`, which replace manual work."""
     cells = (cell for _, cell in code_cells(read_notebook(path)))
@@ -483,7 +475,11 @@ def page_flaws(week: str, course: Course) -> Iterator[Flaw]:
         lessons = [path for path in sorted(course.lessons.glob("week*.ipynb")) if path.name[:6] <= week]
         # The rules report unreadable notebooks and syntax errors.
         with suppress(CourseError, SyntaxError):
-            yield from (Flaw("lesson", text, str(solution)) for text in untaught_names(solution, lessons))
+            taught = "\n".join(source(cell) for path in lessons for cell in read_notebook(path)["cells"])
+            for name in dict.fromkeys(names_in_answers(code_of(solution))):
+                if not re.search(rf"\b{re.escape(name)}\b", taught):
+                    text = f"an answer uses {name}, which no lesson up to this week shows"
+                    yield Flaw("lesson", text, str(solution))
 
 
 def _apply_rules(path: Path, course: Course, rules: Iterable[Rule]) -> Iterator[Flaw]:

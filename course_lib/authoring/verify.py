@@ -423,7 +423,14 @@ def weeks_of(course: Course) -> list[str]:
 
 
 def _verify_week(week: str, course: Course, pool: Executor) -> WeekReport:
-    flaws = [*page_flaws(week, course), *_check_quizzes(week, course), *_check_exercise(week, course)]
+    flaws = [*page_flaws(week, course)]
+    for path in sorted((course.exercises / "quizzes").glob(f"{week}*.toml")):
+        for kind in ("question", "prediction"):
+            try:
+                read_questions(path, kind)
+            except CourseError as error:
+                flaws.append(Flaw("quiz", str(error)))
+    flaws += _check_exercise(week, course)
     try:
         tasks = catalog_of(course).tasks_of_week(week)
         if not tasks:
@@ -445,15 +452,6 @@ def _verify_week(week: str, course: Course, pool: Executor) -> WeekReport:
     except CourseError as error:
         flaws_of_files = [Flaw("files", str(error))]
     return WeekReport(week, (*flaws_of_files, *flaws), UNKNOWN)
-
-
-def _check_quizzes(week: str, course: Course) -> Iterator[Flaw]:
-    for path in sorted((course.exercises / "quizzes").glob(f"{week}*.toml")):
-        for kind in ("question", "prediction"):
-            try:
-                read_questions(path, kind)
-            except CourseError as error:
-                yield Flaw("quiz", str(error))
 
 
 def _idle_mutants(course: Course) -> Iterator[Flaw]:

@@ -391,22 +391,20 @@ class World:
         """Cast rays as `cast` does, without checking the poses of objects and sensor, and the rays."""
         origin, rays = pose[:3, 3], pose[:3, :3] @ rays
         distance, hit_numbers = np.full(rays.shape[1], np.inf), np.full(rays.shape[1], -1)
-        for number, ray_indices in enumerate(self._near(poses[:, :3, 3] - origin, rays, far)):
-            if not len(ray_indices):
-                continue
-            to_thing = poses[number, :3, :3].T
-            start = to_thing @ (origin - poses[number, :3, 3])
-            length = self.things[number].shape.distances(start, to_thing @ rays[:, ray_indices])
-            closer = length < distance[ray_indices]
-            distance[ray_indices[closer]], hit_numbers[ray_indices[closer]] = length[closer], number
-        return Hits(distance, hit_numbers)
-
-    def _near(self, centers: Floats, rays: Floats, far: float) -> list[Indices]:
-        """Return the rays that may hit each bounding sphere; centers (M, 3) from the sensor [m]."""
+        # The bounding spheres of the objects, from the sensor [m].
+        centers = poses[:, :3, 3] - origin
         distances = np.linalg.norm(centers, axis=1)
         inside = distances <= self._reach
         # A ray meets the sphere if it points along the center at least as much as the tangents do.
         tangent = np.sqrt(np.where(inside, 0, distances**2 - np.where(inside, 0, self._reach) ** 2))
         least = np.where(inside, -np.inf, tangent - 1e-9 * (1 + distances))
         least[distances - self._reach > far] = np.inf
-        return [np.flatnonzero(row) for row in centers @ rays >= least[:, None]]
+        may_hit = centers @ rays >= least[:, None]
+        for number in np.flatnonzero(may_hit.any(axis=1)):
+            ray_indices = np.flatnonzero(may_hit[number])
+            to_thing = poses[number, :3, :3].T
+            start = to_thing @ (origin - poses[number, :3, 3])
+            length = self.things[number].shape.distances(start, to_thing @ rays[:, ray_indices])
+            closer = length < distance[ray_indices]
+            distance[ray_indices[closer]], hit_numbers[ray_indices[closer]] = length[closer], number
+        return Hits(distance, hit_numbers)

@@ -73,35 +73,32 @@ def shared_script(folder: Path) -> str:
 
 
 def _figure(caption: str, recording: Recording, room: int) -> Figure:
+    """Animate a scene at the highest frame rate that fits, else show its end."""
     if not recording.samples:
         return Figure(caption, "", "Nothing was published.")
-    try:
-        with packages_only(), time_limit(SCENE_SECONDS):
-            return _render(caption, recording, room)
-    except Exception as error:
-        # Student data can cause any error, and a report is useful without its scene.
-        return Figure(caption, "", f"This scene can't be drawn: {error}")
-
-
-def _render(caption: str, recording: Recording, room: int) -> Figure:
-    """Animate the scene at the highest frame rate that fits, else show its end."""
     from markupsafe import Markup
 
     from course_lib.displays.render import record_bag, scene_of
     from course_lib.viewer.html import scene_fragment
 
+    label = f"{caption}: 3D view"
     size = sum(len(sample.cdr) + MESSAGE for sample in recording.samples)
-    for rate, max_size in SPEEDS:
-        if size <= max_size:
-            view = scene_fragment(record_bag(recording, frame_rate=rate)[0], label=f"{caption}: 3D view")
-            if len(view) <= room:
-                return Figure(
-                    caption, Markup(view), f"Reduced to {rate} frames per second, to fit." if rate else ""
+    try:
+        with packages_only(), time_limit(SCENE_SECONDS):
+            for rate in (rate for rate, max_size in SPEEDS if size <= max_size):
+                view = scene_fragment(record_bag(recording, frame_rate=rate)[0], label=label)
+                if len(view) <= room:
+                    note = f"Reduced to {rate} frames per second, to fit." if rate else ""
+                    return Figure(caption, Markup(view), note)
+            view = scene_fragment(scene_of(recording), label=label)
+            if len(view) > room:
+                raise CourseError(
+                    f"it has {len(view) // 1000} kB, but a report has room for only {room // 1000} kB"
                 )
-    view = scene_fragment(scene_of(recording), label=f"{caption}: 3D view")
-    if len(view) > room:
-        raise CourseError(f"it has {len(view) // 1000} kB, but a report has room for only {room // 1000} kB")
-    return Figure(caption, Markup(view), "Too large to be animated here: this is its end.")
+            return Figure(caption, Markup(view), "Too large to be animated here: this is its end.")
+    except Exception as error:
+        # Student data can cause any error, and a report is useful without its scene.
+        return Figure(caption, "", f"This scene can't be drawn: {error}")
 
 
 PALE = 0.3  # alpha
