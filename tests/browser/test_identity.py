@@ -10,11 +10,13 @@ from tests.browser.jupyterlab import Lab, Notebook, opened
 
 pytestmark = pytest.mark.browser
 FORM = "from course_lib import ask_identity, set_identity\nask_identity()"
-# The exercise opens in a tab behind the form.
+# The exercise opens in a tab behind the form. Its kernel changes the notebook when it reports its language.
 OPEN = """async path => {
     const options = { activate: false };
     const opened = await jupyterapp.commands.execute('docmanager:open', { path, options });
     await opened.context.ready;
+    await opened.context.sessionContext.ready;
+    await opened.context.sessionContext.session.kernel.info;
     globalThis.exercise = opened; }"""
 TYPE = """text => exercise.content.model.sharedModel.cells.find((cell) => cell.cell_type === 'code')
     .setSource(text)"""

@@ -174,7 +174,7 @@ def test_nonempty_release_folder_is_rejected_and_unchanged(tmp_path: Path) -> No
 def test_read_only_disk_is_reported_before_the_weeks_are_verified(
     monkeypatch: pytest.MonkeyPatch, small_disk: Path
 ) -> None:
-    monkeypatch.setattr("course_lib.authoring.verify.refuse_broken", lambda *_: pytest.fail("verified"))
+    monkeypatch.setattr("course_lib.authoring.verify.reject_broken", lambda *_: pytest.fail("verified"))
     subprocess.run(("mount", "-o", "remount,ro", str(small_disk)), check=True, timeout=PATIENCE)
     with pytest.raises(CourseError, match=f"Cannot write to {small_disk}. Choose a folder"):
         cli.release(small_disk / "new" / "release")

@@ -214,7 +214,7 @@ def test_worker_does_not_inherit_the_environment_of_the_grader(monkeypatch: pyte
 @pytest.mark.slow
 def test_failed_worker_start_is_a_grader_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("course_lib.grading.jail.launch.sys.executable", "/bin/false")
-    with pytest.raises(WorkerError, match="can't be started"):
+    with pytest.raises(WorkerError, match="no process for submissions can be started"):
         TemplateProcess()
 
 

@@ -190,7 +190,7 @@ SYNTAX = [
     ("a = (1, 2", ""),
     ("def f()\n    return 1", ""),
     ("print 'a'", ""),
-    ('print(f"{a:.2f")', ""),
+    ('print(f"{a:.2f")', "a { in the f-string has no }: close it after the name, as in `f'{3.14159:.2f}'`."),
 ]
 
 

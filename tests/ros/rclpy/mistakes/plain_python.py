@@ -481,7 +481,7 @@ PLAIN_PYTHON = [
     (
         "exec('print(f\"{name\")')",
         "SyntaxError: f-string: expecting '}'",
-        "a { in the f-string has no }: close it behind the name, as in `f'{3.14159:.2f}'`.",
+        "a { in the f-string has no }: close it after the name, as in `f'{3.14159:.2f}'`.",
     ),
     (
         "exec('from my-package import Robot')",
