@@ -238,8 +238,8 @@ def goal(client_error: Any = None, **options: Any) -> Any:
     return found, status
 
 
-def canceling(error: Any) -> Any:
-    """Cancel a goal whose cancel callback fails; return the exceptions and the answer."""
+def canceling(callback: Any) -> Any:
+    """Cancel a goal of a server with this cancel callback; return the exceptions and the response."""
     node, group = Node("n"), ReentrantCallbackGroup()
     ActionServer(
         node,
@@ -247,28 +247,7 @@ def canceling(error: Any) -> Any:
         "fib",
         lambda _: Fibonacci.Result(),
         handle_accepted_callback=lambda _: None,
-        cancel_callback=thrower(error),
-        callback_group=group,
-    )
-    client = ActionClient(node, Fibonacci, "fib", callback_group=group)
-    client.wait_for_server(3.0)
-    sent = client.send_goal_async(Fibonacci.Goal())
-    found = [spins(node, sent.done)]
-    canceled = sent.result().cancel_goal_async()
-    found.append(spins(node, canceled.done, seconds=1.0))
-    return found, canceled.done()
-
-
-def returning(value: Any) -> Any:
-    """Cancel a goal whose cancel callback returns a value; return the response."""
-    node, group = Node("n"), ReentrantCallbackGroup()
-    ActionServer(
-        node,
-        Fibonacci,
-        "fib",
-        lambda _: Fibonacci.Result(),
-        handle_accepted_callback=lambda _: None,
-        cancel_callback=lambda _: value,
+        cancel_callback=callback,
         callback_group=group,
     )
     client = ActionClient(node, Fibonacci, "fib", callback_group=group)
@@ -294,13 +273,13 @@ lines(
     execute_stops=lambda: goal(execute_callback=thrower(StopIteration(1))),
     execute_ends=lambda: goal(execute_callback=thrower(TimeoutException("t"))),
     feedback=lambda: goal(client_error=OwnError()),
-    cancel=lambda: canceling(OwnError()),
-    cancel_stops=lambda: canceling(StopIteration(1)),
-    cancel_accept=lambda: returning(CancelResponse.ACCEPT),
-    cancel_reject=lambda: returning(CancelResponse.REJECT),
-    cancel_true=lambda: returning(True),
-    cancel_nothing=lambda: returning(None),
-    cancel_number=lambda: returning(2),
+    cancel=lambda: canceling(thrower(OwnError())),
+    cancel_stops=lambda: canceling(thrower(StopIteration(1))),
+    cancel_accept=lambda: canceling(lambda _: CancelResponse.ACCEPT),
+    cancel_reject=lambda: canceling(lambda _: CancelResponse.REJECT),
+    cancel_true=lambda: canceling(lambda _: True),
+    cancel_nothing=lambda: canceling(lambda _: None),
+    cancel_number=lambda: canceling(lambda _: 2),
 )
 
 
