@@ -5,7 +5,6 @@ Those with numbers, units and arrays are in `number_slips.py`, those in classes 
 """
 
 import ast
-import math
 import re
 import textwrap
 from collections.abc import Iterator, Sequence
@@ -49,8 +48,6 @@ def function_slips(function: Function, attributes: set[str]) -> Iterator[str]:
         yield from _unreachable(block)
         yield from _late_settings(block)
         yield from _shared_lists(block, function)
-    yield from _item_products(function)
-    yield from _odd_conditions(function)
     yield from _replaced_parameters(function)
     yield from _odd_calls(function)
     yield from _shared_defaults(function)
@@ -772,94 +769,6 @@ def find_hidden_error(source: str) -> str:
                     "or catch only the exception that you expect."
                 )
     return ""
-
-
-def _item_products(function: Function) -> Iterator[str]:
-    """Yield a sentence for each product or sum of a matrix that is computed item by item."""
-    matrices = [
-        ast.unparse(node.targets[0])
-        for node in ast.walk(function)
-        if isinstance(node, ast.Assign) and ast.unparse(node.value).startswith("np.eye(")
-    ]
-    for node in ast.walk(function):
-        match node:
-            case ast.BinOp(left=ast.Name(id=name), op=ast.Mult(), right=ast.Call()) if name in matrices:
-                yield f"{quote(node)} multiplies item by item: @ multiplies matrices."
-            case ast.Call(func=ast.Attribute(attr="multiply"), args=[ast.Name(id=name), other]) if (
-                name in matrices
-            ):
-                yield f"np.multiply multiplies item by item: write {name} @ {ast.unparse(other)}."
-            case ast.AugAssign(
-                target=ast.Name(id=name), op=ast.Add() | ast.Mult(), value=ast.BinOp(op=ast.MatMult())
-            ) if name in matrices:
-                product = f"{name} = {name} @ …"
-                yield f"{quote(node)} combines item by item: transforms are multiplied, {product}."
-
-
-def _odd_conditions(function: Function) -> Iterator[str]:
-    """Yield a sentence for each condition that is true, or false, for all values, and for odd operators."""
-    for node in ast.walk(function):
-        match node:
-            case ast.BinOp(left=ast.Constant(value=1), op=ast.FloorDiv()):
-                yield f"{quote(node)} is 0 for every number above 1: / divides, // leaves out the fraction."
-            case ast.Compare(
-                ops=[ast.Is() | ast.IsNot() as operator], comparators=[ast.Constant(value=value)]
-            ) if isinstance(value, str | int | float) and not isinstance(value, bool):
-                sign = "==" if isinstance(operator, ast.Is) else "!="
-                yield f"{quote(node)} tests whether both are the same object: compare values with {sign}."
-            case ast.BoolOp(op=ast.Or(), values=[ast.Compare() as first, *others]) if fixed := [
-                operand for operand in others if isinstance(operand, ast.Constant) and operand.value
-            ]:
-                other = ast.unparse(fixed[0])
-                yield (
-                    f"{quote(node)} is always true, because {other} alone is true: compare it as "
-                    f"well, {ast.unparse(first.left)} == {other}."
-                )
-            case ast.BoolOp(op=joined, values=[ast.Compare() as first, ast.Compare() as second]):
-                limits = _limits(first), _limits(second)
-                if None in limits or ast.unparse(first.left) != ast.unparse(second.left):
-                    continue
-                (low, high), (other_low, other_high) = limits  # type: ignore[misc]  # None was excluded
-                if isinstance(joined, ast.And) and max(low, other_low) > min(high, other_high):
-                    subject = ast.unparse(first.left)
-                    yield f'{quote(node)} is never true: {subject} cannot be both. Do you mean "or"?'
-                if (
-                    isinstance(joined, ast.Or)
-                    and min(low, other_low) == -math.inf
-                    and (max(high, other_high) == math.inf and max(low, other_low) <= min(high, other_high))
-                ):
-                    yield f'{quote(node)} is true for every number. Do you mean "and"?'
-            case ast.Compare(
-                left=low, ops=[ast.Lt() | ast.LtE(), ast.Lt() | ast.LtE()], comparators=[_, high]
-            ) if _number(low) > _number(high):
-                yield (
-                    f"{quote(node)} is never true, because {ast.unparse(low)} is more than "
-                    f"{ast.unparse(high)}: write the smaller limit first."
-                )
-
-
-def _limits(node: ast.Compare) -> tuple[float, float] | None:
-    """Return the lowest and the highest value for which a comparison with a number is true, or None."""
-    if len(node.ops) != 1 or math.isnan(value := _number(node.comparators[0])):
-        return None
-    match node.ops[0]:
-        case ast.Lt() | ast.LtE():
-            return -math.inf, value
-        case ast.Gt() | ast.GtE():
-            return value, math.inf
-        case ast.Eq():
-            return value, value
-    return None
-
-
-def _number(node: ast.expr) -> float:
-    """Return the value of a number with its sign, or NaN."""
-    match node:
-        case ast.Constant(value=int() | float() as value):
-            return float(value)
-        case ast.UnaryOp(op=ast.USub(), operand=ast.Constant(value=int() | float() as value)):
-            return -float(value)
-    return math.nan
 
 
 def _replaced_parameters(function: Function) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Hints for values of the wrong type in fields, lists, pairs and loops.
+"""Hints for values of the wrong type in fields, lists, pairs and loops, and for the arguments of messages.
 
 The errors of ROS and Python state the type that is needed, but not the value. The value is in the
 frame that raised the error.
@@ -18,6 +18,7 @@ import numpy as np
 from course_lib.errors import format_count, join_words
 from course_lib.ros import near_names
 from course_lib.ros.messages.definitions import FieldDefinition, definition, type_names
+from course_lib.ros.mistakes import Mistake, mistake_of
 from course_lib.ros.student_code import frame_of, line_of_student, step_of_student
 
 # The hint for None in a field of text, and in another one.
@@ -455,3 +456,67 @@ def lines_above(error: BaseException) -> Iterator[str]:
         frame, number = step
         lines = linecache.getlines(frame.f_code.co_filename)
         yield from reversed(lines[frame.f_code.co_firstlineno - 1 : number])
+
+
+# The arguments of a QoSProfile.
+_OF_PROFILE: tuple[str, ...] = ("history", "depth", "reliability", "durability", "lifespan", "deadline")
+_OF_PROFILE += ("liveliness", "liveliness_lease_duration", "avoid_ros_namespace_conventions")
+
+
+def constructor_hint(error: BaseException) -> str:
+    """Return a question with the field closest to one that a message constructor rejects, or ""."""
+    match = re.match(r"Invalid arguments passed to constructor: (\w+)", str(error))
+    frame = frame_of(error)
+    for name in re.findall(r"'(\w+)'", str(error)) if "dict_keys" in str(error) else ():
+        if name not in _OF_PROFILE:
+            similar = near_names.nearest(name, _OF_PROFILE)
+            names = join_words(_OF_PROFILE)
+            return f"did you mean `{similar}`?" if similar else f"a QoSProfile has {names}."
+    instance = frame.f_locals.get("self", frame.f_locals.get("_self")) if frame is not None else None
+    if match is None or instance is None or not hasattr(type(instance), "get_fields_and_field_types"):
+        return ""
+    fields = list(instance.get_fields_and_field_types())
+    similar = near_names.near_field(match[1], fields)
+    kind = type(instance).__name__
+    return f"did you mean `{similar}`?" if similar else f"the fields of {kind} are {join_words(fields)}."
+
+
+def unnamed_field_hint(error: BaseException) -> str:
+    """Return the hint for values without names that are passed to the class of a message, or "".
+
+    A message of numbers and strings only has an example in the table.
+    """
+    frame = frame_of(error)
+    if mistake_of(error) is not Mistake.UNNAMED_FIELD or frame is None:
+        return ""
+    kind = type(frame.f_locals["self"])
+    if kind._TYPE_NAME == "rcl_interfaces/msg/Parameter":
+        return (
+            "this is the message Parameter of rcl_interfaces. The class for nodes is another one: "
+            "`from rclpy.parameter import Parameter`."
+        )
+    fields = definition(kind._TYPE_NAME).fields
+    if not any(field.is_message for field in fields):
+        return ""
+    names: list[str] = []
+    for value in frame.f_locals["positional"]:
+        free = [field.name for field in fields if field.name not in names and _is_valid_value(value, field)]
+        if not free and isinstance(value, str):
+            return ""
+        if not free:
+            return f"{kind.__name__} takes its fields by name: {join_words([f.name for f in fields])}."
+        names.append(free[0])
+    return (
+        f"pass each value with the name of its field: "
+        f"{kind.__name__}({', '.join(f'{name}=…' for name in names)})."
+    )
+
+
+def _is_valid_value(value: object, field: FieldDefinition) -> bool:
+    """Return whether a value may be meant for a field of a message."""
+    if field.container != "scalar":
+        return isinstance(value, list | tuple) or hasattr(value, "tolist")
+    if field.is_message:
+        return getattr(value, "_TYPE_NAME", None) == field.base
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return isinstance(value, str) if field.base in ("string", "wstring") else is_number
