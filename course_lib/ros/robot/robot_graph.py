@@ -25,7 +25,7 @@ from functools import partial
 from typing import Any
 
 from course_lib.errors import format_count
-from course_lib.ros.graph.graph import Graph
+from course_lib.ros.graph.graph import Graph, ignore
 from course_lib.ros.graph.topics import (
     CLOCK,
     SERVICE_HEADER,
@@ -441,10 +441,6 @@ class RemoteEntities:
             self._latched_of_departed[gid] = list(publisher.latched)
         while len(self._latched_of_departed) > MAX_LATCHED:
             del self._latched_of_departed[next(iter(self._latched_of_departed))]
-
-
-def ignore(cdr: bytes, source_ns: int, received_ns: int) -> None:
-    """Do nothing: the network delivers to remote subscriptions, and taps receive every sample."""
 
 
 NO_SKEW = "not measured: no topic is received yet"

@@ -51,6 +51,7 @@ from tests.ros.zenoh.test_two_kits import (  # noqa: F401  # pytest collects the
     test_late_joining_subscription_receives_latched_messages_up_to_its_depth,
     test_message_reaches_the_other_kit_once_and_is_not_returned,
     test_messages_that_are_not_allowed_are_counted_and_reported_once_instead_of_forwarded,
+    test_messages_to_remote_subscriptions_do_not_wait_while_a_program_publishes,
     test_remote_nodes_and_endpoints_are_listed_until_they_leave,
     test_robot_stops_when_its_commands_stop,
     test_robot_stops_when_the_link_is_closed_or_interrupted,

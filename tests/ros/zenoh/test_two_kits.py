@@ -77,6 +77,17 @@ def test_message_reaches_the_other_kit_once_and_is_not_returned(kits: Kits) -> N
     assert list(filter(None, texts(there))) == list(filter(None, texts(here))) == ["one", "two"]
 
 
+def test_messages_to_remote_subscriptions_do_not_wait_while_a_program_publishes(kits: Kits) -> None:
+    robot, student = kits.join(send="/chatter"), kits.join()
+    student.tap(lambda sample: None, lambda: {"/chatter"})
+    out = talker(robot, "/chatter")
+    kits.until(lambda: "/chatter" in topics(robot, "sub"), "the student's subscription")
+    for number in range(100):
+        say(robot, out, str(number))
+    assert robot.pending == 0
+    assert robot.count_stored_bytes() == 0
+
+
 def test_remote_nodes_and_endpoints_are_listed_until_they_leave(kits: Kits) -> None:
     robot, student = kits.join(send="/chatter"), kits.join()
     talker(robot, "/chatter", qos=BEST_EFFORT)
