@@ -1,17 +1,15 @@
 """The stage `judge`: pure functions from evidence to scores, equal for equal evidence."""
 
-import signal
 import time
 import traceback
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from course_lib.grading.evidence import Check, Evidence, Verdict, all_checks
 from course_lib.grading.records import CheckResult, Judgement, Run, TaskResult
-from course_lib.grading.task import Catalog, Task
+from course_lib.grading.task import Catalog, Task, limit_course_code
 
 if TYPE_CHECKING:
     from course_lib.grading.run.run import ExerciseRun
@@ -64,60 +62,6 @@ def judge_task(task: Task, points: float, is_bonus: bool, runs: Sequence[Run]) -
     return TaskResult(
         task.id, task.title, points, is_bonus, checks, tuple(errors), stopped, rubric=task.rubric
     )
-
-
-# The timer repeats after this processor time [s], for code that swallows the first exception.
-AGAIN = 1.0
-# A block that uses hardly any processor time [s] within these seconds is not slow, it waits: for a
-# process, a lock or the network. A busy machine gives it more than that.
-WAIT_SECONDS, WAIT_PROCESSOR_SECONDS = 20.0, 0.02
-
-
-class _TimeLimitError(BaseException):
-    """Raised when the time limit expires.
-
-    A BaseException, so that `except Exception` does not catch it.
-    """
-
-
-@contextmanager
-def time_limit(seconds: float) -> Iterator[None]:
-    """Limit the processor time of a block; works in the main thread only.
-
-    Raises:
-        TimeoutError: The block took more than `seconds`, or waited without using a processor.
-    """
-    reason, used = "", time.thread_time()
-
-    def ring(number: int, _: Any) -> None:
-        nonlocal reason, used
-        before, used = used, time.thread_time()
-        if number == signal.SIGPROF:
-            reason = f"it takes more than {seconds:.3g} s"
-        elif used - before > WAIT_PROCESSOR_SECONDS:
-            return
-        else:
-            reason = f"it waits for something, without computing for {WAIT_SECONDS:.3g} s"
-        raise _TimeLimitError
-
-    if not hasattr(signal, "setitimer"):
-        # On Windows only a student's own code is checked, which needs no limit.
-        yield
-        return
-    handlers = [(number, signal.signal(number, ring)) for number in (signal.SIGPROF, signal.SIGALRM)]
-    try:
-        signal.setitimer(signal.ITIMER_PROF, seconds, AGAIN)
-        signal.setitimer(signal.ITIMER_REAL, WAIT_SECONDS, WAIT_SECONDS)
-        try:
-            yield
-        finally:
-            signal.setitimer(signal.ITIMER_PROF, 0)
-            signal.setitimer(signal.ITIMER_REAL, 0)
-    except _TimeLimitError:
-        raise TimeoutError(reason) from None
-    finally:
-        for number, handler in handlers:
-            signal.signal(number, handler)
 
 
 class _Judge:
@@ -178,7 +122,7 @@ class _Judge:
     def _run_check(self, check: Check, evidence: Evidence) -> Verdict:
         begin = time.process_time()
         try:
-            with time_limit(max(min(CHECK_SECONDS, self._remaining), LEAST_SECONDS)):
+            with limit_course_code(max(min(CHECK_SECONDS, self._remaining), LEAST_SECONDS)):
                 verdict = check.judge(evidence)
                 if not isinstance(verdict, Verdict):
                     raise TypeError(f"the check returned {verdict!r}, expected passed(...) or failed(...)")

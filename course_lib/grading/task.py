@@ -4,21 +4,28 @@ from __future__ import annotations
 
 import ast
 import math
+import os
 import re
 import runpy
+import signal
+import sys
+import threading
+import time
 import tomllib
 import traceback
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
+from io import StringIO
 from numbers import Real
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal, NoReturn, get_args
 
 from course_lib.course.course_file import CourseFile, read_course_file
 from course_lib.course.material import ASSETS, asset_files, exercises_dir
-from course_lib.errors import CourseError, did_you_mean, location_of
-from course_lib.grading.evidence import Check
+from course_lib.errors import CourseError, did_you_mean, format_count, location_of
+from course_lib.grading.evidence import Check, all_checks
 from course_lib.ros.messages.definitions import add_package, field_definitions
 from course_lib.ros.programs.packages import MANIFEST, has_interfaces, packages_below, prepend_paths
 from course_lib.third_party import read_text
@@ -142,6 +149,15 @@ class Scenario:
         _require(
             all(0 <= m.at <= self.seconds for m in self.inputs), "an input's `at` is outside the scenario"
         )
+        # Tasks without calls have one value: the submitted one.
+        count = max(len(self.calls), 1)
+        for origin in (check.origin for check in all_checks(self.checks) if check.origin):
+            subject = f"{origin.check_function}: call={origin.arguments.get('call')}"
+            _require(
+                0 <= origin.arguments.get("call", 0) < count,
+                f"{subject}, expected the index of a call, from 0 to {count - 1}: the scenario "
+                f"{self.name!r} has {format_count(len(self.calls), 'call')}",
+            )
 
 
 @dataclass(frozen=True)
@@ -314,7 +330,7 @@ def load_catalog(exercises: Path, solutions: Path | None = None) -> Catalog:
     faults = {**_weeks_without_points(exercises, course), **course.faults}
     for week in (week for week, settings in course.weeks.items() if settings.points):  # Week 0 has no tasks.
         try:
-            tasks_of_week = _load_week(exercises, course, week)
+            tasks_of_week = _load_week(exercises, course, week, is_limited=solutions is not None)
             hidden |= _load_hidden(solutions / "checks" / f"{week}.py", tasks_of_week) if solutions else {}
             # In a student's copy the hidden checks are missing, which may be the only ones with a
             # weight.
@@ -378,12 +394,12 @@ def _weeks_without_points(exercises: Path, course: CourseFile) -> dict[str, str]
     }
 
 
-def _load_week(exercises: Path, course: CourseFile, week: str) -> dict[str, Task]:
+def _load_week(exercises: Path, course: CourseFile, week: str, *, is_limited: bool) -> dict[str, Task]:
     """Return the public tasks of a week, including the course's hints for them."""
     settings = course.weeks[week]
     names = {f"{week}.{name}" for name in (*settings.points, *settings.bonus)}
     path = exercises / "checks" / f"{week}.py"
-    tasks_of_file = _run_check_file(path).get("TASKS")
+    tasks_of_file = _run_check_file(path, is_limited=is_limited).get("TASKS")
     if not isinstance(tasks_of_file, tuple) or not all(isinstance(task, Task) for task in tasks_of_file):
         raise CourseError(f"{path}: TASKS: expected a tuple of Task (one item needs a comma, too)")
     ids = sorted(task.id for task in tasks_of_file)
@@ -419,7 +435,7 @@ def _load_hints(path: Path, tasks: Mapping[str, Task]) -> dict[str, Task]:
 
 
 def _load_hidden(path: Path, tasks: Mapping[str, Task]) -> dict[str, tuple[Scenario, ...]]:
-    hidden = _run_check_file(path).get("HIDDEN")
+    hidden = _run_check_file(path, is_limited=True).get("HIDDEN")
     if not isinstance(hidden, dict):
         raise CourseError(f"{path}: HIDDEN: expected a dict of task id to scenarios")
     for task_id, scenarios in hidden.items():
@@ -433,11 +449,112 @@ def _load_hidden(path: Path, tasks: Mapping[str, Task]) -> dict[str, tuple[Scena
     return dict(hidden)
 
 
-def _run_check_file(path: Path) -> dict[str, Any]:
+# The timer repeats after this processor time [s], for code that swallows the first exception.
+AGAIN = 1.0
+# A block that uses hardly any processor time [s] within these seconds is not slow, it waits: for a
+# process, a lock or the network. A busy machine gives it more than that.
+WAIT_SECONDS, WAIT_PROCESSOR_SECONDS = 20.0, 0.02
+# Processor time [s] for the definitions of a check file, which may read data and import packages.
+LOAD_SECONDS = 30.0
+# Address space [bytes] that code of the course may use in addition to that of the grader.
+COURSE_CODE_BYTES = 6_000_000_000
+# Functions of `os` that end or duplicate the grader before an exception could name their line.
+FATAL_CALLS = ("_exit", "abort", "fork", "forkpty", "execv", "execve")
+
+
+class _TimeLimitError(BaseException):
+    """Raised when the time limit expires.
+
+    A BaseException, so that `except Exception` does not catch it.
+    """
+
+
+@contextmanager
+def time_limit(seconds: float) -> Iterator[None]:
+    """Limit the processor time of a block, in the main thread only.
+
+    Raises:
+        TimeoutError: The block took more than `seconds`, or waited without using a processor. Its
+            traceback has the line of the block.
+    """
+    reason, used = "", time.thread_time()
+
+    def ring(number: int, _: Any) -> None:
+        nonlocal reason, used
+        before, used = used, time.thread_time()
+        if number == signal.SIGPROF:
+            reason = f"it takes more than {seconds:.3g} s"
+        elif used - before > WAIT_PROCESSOR_SECONDS:
+            return
+        else:
+            reason = f"it waits for something, without computing for {WAIT_SECONDS:.3g} s"
+        raise _TimeLimitError
+
+    is_main = threading.current_thread() is threading.main_thread()
+    if not hasattr(signal, "setitimer") or not is_main:
+        # On Windows only a student's own code is checked, which needs no limit.
+        yield
+        return
+    handlers = [(number, signal.signal(number, ring)) for number in (signal.SIGPROF, signal.SIGALRM)]
+    try:
+        signal.setitimer(signal.ITIMER_PROF, seconds, AGAIN)
+        signal.setitimer(signal.ITIMER_REAL, WAIT_SECONDS, WAIT_SECONDS)
+        try:
+            yield
+        finally:
+            signal.setitimer(signal.ITIMER_PROF, 0)
+            signal.setitimer(signal.ITIMER_REAL, 0)
+    except _TimeLimitError as error:
+        raise TimeoutError(reason).with_traceback(error.__traceback__) from None
+    finally:
+        for number, handler in handlers:
+            signal.signal(number, handler)
+
+
+@contextmanager
+def limit_course_code(seconds: float) -> Iterator[None]:
+    """Turn what ends or stops the grader in a check file into an exception with its line.
+
+    Check files are trusted, but a mistake in one of them must not stop the class: an endless loop,
+    `input()`, a huge array, or `os._exit` and `os.fork` of copied code.
+
+    Raises:
+        TimeoutError: See `time_limit`.
+    """
+    calls = {name: getattr(os, name) for name in FATAL_CALLS if hasattr(os, name)}
+
+    def reject(name: str, *_: Any) -> NoReturn:
+        raise RuntimeError(f"os.{name} would end or duplicate the grader: remove this call")
+
+    used, old_limits = Path("/proc/self/statm"), (0, 0)
+    if used.is_file():
+        import resource
+
+        old_limits = resource.getrlimit(resource.RLIMIT_AS)
+        bytes_now = int(used.read_text().split()[0]) * resource.getpagesize()
+        limits = [bytes_now + COURSE_CODE_BYTES, *(n for n in old_limits if n != resource.RLIM_INFINITY)]
+        resource.setrlimit(resource.RLIMIT_AS, (min(limits), old_limits[1]))
+    keyboard, sys.stdin = sys.stdin, StringIO()
+    for name in calls:
+        setattr(os, name, partial(reject, name))
+    try:
+        with time_limit(seconds):
+            yield
+    finally:
+        for name, function in calls.items():
+            setattr(os, name, function)
+        sys.stdin = keyboard
+        if used.is_file():
+            resource.setrlimit(resource.RLIMIT_AS, old_limits)
+
+
+def _run_check_file(path: Path, *, is_limited: bool) -> dict[str, Any]:
+    """Return the names of a check file. In a student's kernel it runs without limits."""
     if not path.is_file():
         raise CourseError(f"{path} is missing: every week with points in course.toml needs a check file")
     try:
-        return runpy.run_path(str(path))
+        with limit_course_code(LOAD_SECONDS) if is_limited else nullcontext():
+            return runpy.run_path(str(path))
     except SyntaxError as error:
         raise CourseError(f"{error.filename} line {error.lineno}: SyntaxError: {error.msg}") from error
     except CourseError as error:

@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.grading.judge import time_limit
 from course_lib.grading.submissions import archives
 from course_lib.grading.submissions.archives import MAX_UNPACKED_BYTES, MAX_UNPACKED_FILES
 from course_lib.grading.submissions.collect import Collection, collect
 from course_lib.grading.submissions.copies import select_code
 from course_lib.grading.submissions.notebook import MAX_BRACKETS, parse_notebook, without_outputs
 from course_lib.grading.submissions.submission import UTC, find_submissions
+from course_lib.grading.task import time_limit
 from tests.grading.platforms import NAME, notebook, zipped
 
 MEGABYTE = 1_000_000

@@ -1,3 +1,6 @@
+import os
+import sys
+
 import pytest
 
 from course_lib.course.course_file import read_course_file
@@ -88,6 +91,12 @@ MALFORMED = {
             "color=(1, 0)",
             "line 11: expect_marker: color=(1, 0), expected 3 or 4 numbers (red",
         ),
+        (
+            'unit="m"',
+            'unit="m", call=5',
+            "expect_value: call=5, expected the index of a call, from 0 to 0: the scenario 'public' has 1",
+        ),
+        ('unit="m"', 'unit="m", call=-1', "expect_value: call=-1, expected the index of"),
         ("color=(1, 0, 0)", "at='1'", "line 11: expect_marker: at='1', expected a number"),
         ("seconds=3.0", "seconds='3'", "line 9: seconds: '3', expected a number of seconds"),
         ("expect_text,", "expect_txt,", "line 3: ImportError: cannot import name 'expect_txt'"),
@@ -160,6 +169,31 @@ def test_missing_course_file_is_reported(course: Course) -> None:
         load_catalog(course.exercises).tasks_of_week("week01")
     with pytest.raises(CourseError, match="can't be read"):
         read_course_file(course.exercises / "nothing.toml")
+
+
+@pytest.mark.parametrize(
+    ("statement", "message"),
+    [
+        ("while True: pass", "TimeoutError: it takes more than 0.5 s"),
+        ("import time; time.sleep(1000)", "TimeoutError: it waits for something"),
+        ("input()", "EOFError: "),
+        ("import os; os._exit(0)", r"RuntimeError: os\._exit would end or duplicate the grader"),
+        ("import os; os.fork()", r"RuntimeError: os\.fork would end"),
+        ("import numpy; numpy.ones(2 * 10**9)", "MemoryError"),
+    ],
+)
+@pytest.mark.parametrize("folder", ["exercises", "solutions"])
+def test_check_file_that_stops_the_grader_is_reported_with_its_line(
+    course: Course, folder: str, statement: str, message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("course_lib.grading.task.LOAD_SECONDS", 0.5)
+    monkeypatch.setattr("course_lib.grading.task.WAIT_SECONDS", 0.5)
+    path = course.exercises.parent / folder / "checks/week01.py"
+    path.write_text(f"\n{statement}\n{path.read_text()}")
+    calls = os._exit, os.fork, sys.stdin
+    with pytest.raises(CourseError, match=rf"{folder}/checks/week01\.py line 2: .*{message}"):
+        load_catalog(course.exercises, course.solutions).tasks_of_week("week01")
+    assert (os._exit, os.fork, sys.stdin) == calls
 
 
 def test_check_file_that_ends_the_program_is_reported(course: Course) -> None:

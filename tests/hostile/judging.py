@@ -9,12 +9,12 @@ from course_lib import grading as v
 from course_lib.course.material import exercises_dir, solutions_dir
 from course_lib.grading.evidence import Check, Evidence, all_checks
 from course_lib.grading.inputs import header, pose, transforms
-from course_lib.grading.judge import CHECK_SECONDS, time_limit
+from course_lib.grading.judge import CHECK_SECONDS
 from course_lib.grading.records import Run
 from course_lib.grading.run.run import Job, plan_scenarios, run_scenarios
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.submissions.notebook import parse_notebook
-from course_lib.grading.task import Message, load_catalog
+from course_lib.grading.task import Message, load_catalog, time_limit
 from tests.hostile.made_up import random_evidence, spoilt_evidence
 
 T = "/topic"

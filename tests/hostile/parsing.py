@@ -11,12 +11,11 @@ from course_lib.displays.layout import layout_of
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.filters import Isolation
-from course_lib.grading.judge import time_limit
 from course_lib.grading.records import Run
 from course_lib.grading.run.run import ExerciseRun, Step, pack, unpack
 from course_lib.grading.run.submission_run import CellLog
 from course_lib.grading.submissions.notebook import parse_notebook
-from course_lib.grading.task import Scenario, Task
+from course_lib.grading.task import Scenario, Task, time_limit
 from course_lib.ros.programs.parameter_yaml import read_text
 from tests.hostile.made_up import random_text, spoilt
 from tests.hostile.staff_files import STAFF

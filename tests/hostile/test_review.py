@@ -64,12 +64,16 @@ def test_check_exceeding_its_time_limit_fails_alone(monkeypatch: pytest.MonkeyPa
     [
         (lambda _: time.sleep(1000), "TimeoutError: it waits for something, without computing for 0.2 s"),
         (lambda _: sys.exit(0), "SystemExit: 0"),
+        (lambda _: os._exit(0), "RuntimeError: os._exit would end or duplicate the grader: remove this call"),
+        (lambda _: os.fork(), "RuntimeError: os.fork would end or duplicate the grader: remove this call"),
+        (lambda _: input(), "EOFError: EOF when reading a line"),
+        (lambda _: bytes(10**13), "MemoryError: "),
     ],
 )
 def test_check_that_waits_or_ends_the_program_fails_alone(
     call: Any, reason: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(judge, "WAIT_SECONDS", 0.2)
+    monkeypatch.setattr("course_lib.grading.task.WAIT_SECONDS", 0.2)
     task = task_with(Check("own", call), Check("right", lambda _: passed("as expected")))
     result = judge_task(task, 10.0, False, [Run(task.scenarios[0], Evidence(task.id, "public", 1.0))])
     assert [check.broken.partition(": ")[2] for check in result.checks] == [reason, ""]

@@ -12,9 +12,8 @@ from course_lib.errors import CourseError
 from course_lib.files import write_atomically
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import build
-from course_lib.grading.judge import time_limit
 from course_lib.grading.records import Run
-from course_lib.grading.task import Message, Task
+from course_lib.grading.task import Message, Task, time_limit
 from course_lib.recording import Recording
 from course_lib.robots.robot import packages_only
 from course_lib.ros.graph.graph import START_NS, Sample
