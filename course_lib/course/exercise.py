@@ -227,20 +227,28 @@ SET_IDENTITY = "from course_lib import set_identity; set_identity('{}')"
 def normalise(text: str) -> str:
     """Normalize an ID: remove spaces, convert to lower case and digits of any script to 0-9.
 
+    Invisible characters, such as the direction marks of copied text, are removed like spaces.
+
     Raises:
         CourseError: Nothing remains, or a character is not allowed. IDs are also used as names of
             folders.
     """
     plain = unicodedata.normalize("NFKC", str(text)).casefold()
-    student = "".join(str(unicodedata.digit(c, c)) for c in plain if not c.isspace())
+    visible = (c for c in plain if not c.isspace() and unicodedata.category(c) != "Cf")
+    student = "".join(str(unicodedata.digit(c, c)) for c in visible)
     strange = sorted({c for c in student if not (c.isalnum() or c in EXTRA_CHARACTERS)})
-    if not student or strange or len(student) > MAX_LENGTH or not student[0].isalnum():
-        is_shortened = re.fullmatch(r"\d([.,]\d+)?e\+\d+", student)
-        advice = " A spreadsheet has shortened this number: export the file again, and don't save it there."
+    # A spreadsheet writes 4.1E+06, and pandas 4100001.0 in a column with empty cells.
+    is_number = re.fullmatch(r"\d([.,]\d+)?e\+\d+|\d{3,}\.0", student)
+    if not student or strange or len(student) > MAX_LENGTH or not student[0].isalnum() or is_number:
+        advice = (
+            " A spreadsheet has shortened this number: export the file again, and don't save it there."
+            if is_number and "e" in student
+            else " A program has read the ID as a number: read the column as text there."
+        )
         raise CourseError(
             f"{text!r} is not a student ID: expected up to {MAX_LENGTH} letters, digits and "
             f"{' '.join(EXTRA_CHARACTERS)}, the first a letter or a digit. Example: 20231234"
-            f"{advice if is_shortened else ''}"
+            f"{advice if is_number else ''}"
         )
     return student
 

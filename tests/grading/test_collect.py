@@ -12,6 +12,7 @@ from zoneinfo import ZoneInfo
 
 import pytest
 
+from course_lib.course.exercise import normalise
 from course_lib.errors import CourseError
 from course_lib.grading.submissions import archives
 from course_lib.grading.submissions.collect import Collection, collect
@@ -118,6 +119,12 @@ def test_moodle_folder_of_a_name_that_begins_with_a_dot_is_collected(
 ) -> None:
     sort({f"{name}_12345_assignsubmission_file_/{NAME}": notebook()})
     assert collected_files(tmp_path / "out") == [f"participant12345/{NAME}", "received.csv"]
+
+
+@pytest.mark.parametrize("cell", ["4100001.0", "\u0664\u0661\u0660.0"])
+def test_id_that_a_program_has_read_as_a_number_is_rejected(cell: str) -> None:
+    with pytest.raises(CourseError, match="A program has read the ID as a number: read the column as text"):
+        normalise(cell)
 
 
 @pytest.mark.parametrize("cell", ["4,1E+06", "4.10e+06", "2E+7"])

@@ -169,6 +169,56 @@ def test_mismatched_platform_csv_is_rejected_and_nothing_is_written(
     assert not (out / "filled.csv").exists()
 
 
+@pytest.mark.parametrize(
+    ("cell", "reason"),
+    [
+        (
+            "7",
+            "row 2, 7: no mark, but 0007 has one. A spreadsheet has changed this number: export",
+        ),
+        ("1.2E+05", "row 2, 1.2E+05: no mark: A spreadsheet has changed this number"),
+        ("", "row 2, no ID: no mark"),
+    ],
+)
+def test_id_that_a_spreadsheet_has_changed_is_reported_with_its_row(
+    fill: Fill, out: Path, cell: str, reason: str
+) -> None:
+    (out / "gradebook.csv").write_text(GRADEBOOK.replace("bob2", "0007"))
+    _, lines = fill(f"name,id,mark\nBob,{cell},\nAda,ada1,\n".encode(), "mark", "id")
+    assert any(reason in line for line in lines)
+
+
+@pytest.mark.parametrize(
+    "cell",
+    ["#0007", "'0007", '=""0007""', '="0007"', "\u200f0007\u200f", "\u200b0007", "\u0660\u0660\u0660\u0667"],
+)
+def test_id_with_signs_for_spreadsheets_is_identified(fill: Fill, out: Path, cell: str) -> None:
+    (out / "gradebook.csv").write_text(GRADEBOOK.replace("bob2", "0007"))
+    quoted = f'"{cell}"' if '""' in cell else cell
+    filled, _ = fill(f"id,mark\n{quoted},\n".encode(), "mark", "id")
+    assert filled == f"id,mark\n{quoted},50\n".encode()
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_gradebook_saved_by_a_spreadsheet_is_read(fill: Fill, out: Path, encoding: str) -> None:
+    saved = GRADEBOOK.replace(",", ";").replace("81.45", "81,45").replace("\n", "\r\n")
+    (out / "gradebook.csv").write_bytes(saved.encode(encoding))
+    assert fill(b"id,mark\nada1,\n", "mark", "id")[0] == b"id,mark\nada1,81.45\n"
+
+
+@pytest.mark.parametrize("number", ["", "nan", "inf", "abc", "1.2.3"])
+def test_invalid_number_in_the_gradebook_is_reported_with_its_row(fill: Fill, out: Path, number: str) -> None:
+    (out / "gradebook.csv").write_text(GRADEBOOK.replace("81.45", number))
+    with pytest.raises(CourseError, match=f"gradebook.csv, row 2: final is '{number}', expected a number"):
+        fill(b"id,mark\nada1,\n", "mark", "id")
+
+
+def test_class_without_a_final_mark_is_reported_with_the_status(fill: Fill, out: Path) -> None:
+    (out / "gradebook.csv").write_text(GRADEBOOK.replace(",graded,", ",needs_marking,"))
+    with pytest.raises(CourseError, match=r"no mark was written into lms\.csv: row 2, ada1: needs_m"):
+        fill(b"id,mark\nada1,\n", "mark", "id")
+
+
 ANY_TEXT = st.text(st.sampled_from('ab,;"\t\r\n |é=+-@ 7'), max_size=60).map(lambda text: "a,b" + text)
 
 

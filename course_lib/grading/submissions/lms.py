@@ -1,18 +1,16 @@
 """Write marks into the CSV that a learning platform (Canvas, Moodle or another) exported."""
 
-import csv
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
-from course_lib.course.exercise import normalise
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
-from course_lib.grading.marks import results_in, standing_marks
+from course_lib.grading.marks import COLUMNS, results_in, standing_marks
 from course_lib.grading.reports.rendering import escape_formula, join_few, printable
 from course_lib.grading.submissions.notebook import full_exercise_name
-from course_lib.grading.submissions.roster import LmsFile
+from course_lib.grading.submissions.roster import LmsFile, read_id
 
 POINTS_POSSIBLE = "Points Possible"  # Canvas's row with the maximum points of each column
 MAXIMUM = "maximum grade"  # Moodle's column with the maximum points, in English
@@ -23,9 +21,12 @@ OPTIONS = {
     "to": "the file to write",
 }
 FINAL = ("graded", "limit")
+MOST_SHOWN = 3  # number of rows in an error
 NO_MARK = (
-    "no ID in column {!r} of {} has a mark for {}; gradebook.csv has IDs like {}. Pass another --id-column."
+    "no ID in column {!r} of {}, like {!r}, has a mark for {}; gradebook.csv has IDs like {}. "
+    "Pass another --id-column."
 )
+EXPORT_AGAIN = "A spreadsheet has changed this number: export the file again, and don't save it there"
 KINDS = {
     "score": "scores before the late policy",
     "final": "marks after the late policy; turn off the platform's late policy",
@@ -81,8 +82,12 @@ def fill_lms(
         limit = max(max_points) if max_points else float(mark["max_score"])
         mark[mark_column] = str(min(float(mark[mark_column]), limit))
     unfilled = _fill(file, place, ids, marks, mark_column)
-    if len(unfilled) == len(ids):
-        raise CourseError(NO_MARK.format(id_column, lms.name, exercise, next(iter(marks))))
+    rows = [f"row {row + 1}, {file.text(row, id_place) or 'no ID'}: {why}" for row, why in unfilled.items()]
+    if ids.keys() <= unfilled.keys():
+        if marks.keys() & ids.values():
+            raise CourseError(f"no mark was written into {lms.name}: {'; '.join(rows[:MOST_SHOWN])}")
+        example = next(filter(None, ids.values()), "")
+        raise CourseError(NO_MARK.format(id_column, lms.name, example, exercise, next(iter(marks))))
     comments = _comments(out, exercise) if comment_column else {}
     comment_place = file.column(comment_column) if comment_column else 0
     if comment_column and comment_place in (place, id_place):
@@ -92,7 +97,6 @@ def fill_lms(
             quoted = comments[key].replace('"', '""')
             file.rows[row][comment_place] = f'"{quoted}"'
     write_atomically(target, file.to_bytes())
-    rows = (f"row {row + 1}, {file.text(row, id_place) or 'no ID'}: {why}" for row, why in unfilled.items())
     # A CSV of one section lacks most students.
     elsewhere = [mark["student"] for key, mark in marks.items() if key not in ids.values()]
     lines = [
@@ -125,7 +129,7 @@ def _comments(out: Path, exercise: str) -> dict[str, str]:
         ][-1:]
         tasks = [f"{task.title}: {'; '.join(task.comments)}" for task in result.tasks if task.comments]
         if lines := [*exercise_comments, *tasks]:
-            comments[_key(result.student)] = str(escape_formula("\n".join(lines)))
+            comments[result.student] = str(escape_formula("\n".join(lines)))
     return comments
 
 
@@ -146,7 +150,11 @@ def _fill(
         if key and count[key] > 1:
             unfilled[row] = "more than one row has this ID; they are unchanged"
         elif mark is None:
-            unfilled[row] = "no mark"
+            # 0042 becomes 42, and 4100001 becomes 4.1E+06, when a spreadsheet saves the file.
+            similar = [known for known in marks if key and known.lstrip("0") == key.lstrip("0")]
+            advice = f", but {join_few(similar)} has one. {EXPORT_AGAIN}" if similar else ""
+            advice = f": {EXPORT_AGAIN}" if re.fullmatch(r"\d([.,]\d+)?e\+\d+", key) else advice
+            unfilled[row] = f"no mark{advice}"
         elif mark["status"] not in FINAL:
             unfilled[row] = f"{mark['status']}, row unchanged"
         elif len(file.rows[row]) <= place:
@@ -157,14 +165,29 @@ def _fill(
 
 
 def _marks(out: Path, exercise: str) -> dict[str, dict[str, str]]:
-    path = out / "gradebook.csv"
+    """Return the lines of gradebook.csv about an exercise by student, with a point in numbers.
+
+    The file may have been saved by a spreadsheet, with semicolons and decimal commas.
+    """
+    path, command = out / "gradebook.csv", f"course grade SUBMISSIONS --out {out} --resume"
     try:
-        with path.open(newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
-        marks = {_key(row["student"]): row for row in rows if row["exercise"] == exercise}
-    except (OSError, UnicodeError, KeyError, csv.Error) as error:
-        command = f"course grade SUBMISSIONS --out {out}"
-        raise CourseError(f"{path} can't be read: {error!r}. Type: {command}") from error
+        file = LmsFile.read(path)
+        places = {name: file.column(name) for name in COLUMNS}
+    except CourseError as error:
+        raise CourseError(f"{error}. To write {path} again, type: {command}") from error
+    marks, rows = dict[str, dict[str, str]](), list[dict[str, str]]()
+    for number in range(1, len(file.rows)):
+        row = {name: file.text(number, place) for name, place in places.items()}
+        rows.append(row)
+        for name in ("score", "max_score", "final") if row["status"] in FINAL else ():
+            row[name] = row[name].replace(",", ".")
+            if not re.fullmatch(r"-?\d+(\.\d+)?(e-?\d+)?", row[name]):
+                raise CourseError(
+                    f"{path}, row {number + 1}: {name} is {row[name]!r}, expected a number. "
+                    f"To write the file again, type: {command}"
+                )
+        if row["exercise"] == exercise:
+            marks[_key(row["student"])] = row
     if not marks:
         known_exercises = ", ".join(sorted({row["exercise"] for row in rows})) or "none"
         raise CourseError(f"{path} has no marks for --exercise {exercise}; it has {known_exercises}.")
@@ -174,7 +197,7 @@ def _marks(out: Path, exercise: str) -> dict[str, dict[str, str]]:
 def _key(text: str) -> str:
     """Return an ID in normalized spelling."""
     try:
-        return normalise(text)
+        return read_id(text)
     except CourseError:
         return text.strip().casefold()
 

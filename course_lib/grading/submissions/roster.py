@@ -211,6 +211,17 @@ def read_class_list(path: Path) -> tuple[Member, ...]:
     return tuple(members)
 
 
+def read_id(cell: str) -> str:
+    """Return the normalized ID in a cell.
+
+    Brightspace writes #0042, and others ="0042" or '0042, so that a spreadsheet keeps the zeros.
+
+    Raises:
+        CourseError: The cell contains no ID.
+    """
+    return normalise(re.sub(r"""^(#|'|=")|"$""", "", cell))
+
+
 def ids_of_section(roster: Path | None, section: str) -> frozenset[str] | None:
     """Return the IDs of a section's students, or None without a section, which selects everybody.
 
@@ -261,7 +272,7 @@ def _member(cells: Mapping[str, str], where: str) -> Member:
     if not cells["id"]:
         raise CourseError(f"{where}: no id, but {next(filter(None, cells.values()))!r}")
     try:
-        student = normalise(cells["id"])
+        student = read_id(cells["id"])
     except CourseError as error:
         raise CourseError(f"{where}: {error}") from error
     folded_cells = {name: cells[name].casefold() for name in ("email", "login") if name in cells}
@@ -333,7 +344,7 @@ def _read_ids(file: LmsFile, place: int, path: Path) -> dict[int, str]:
     for row in range(1, len(file.rows)):
         try:
             if cell := file.text(row, place):
-                student_ids[row] = normalise(cell)
+                student_ids[row] = read_id(cell)
         except CourseError as error:
             column = file.headings[place]
             raise CourseError(f"{path}, row {row + 1}, column {column!r}: {error}") from None
