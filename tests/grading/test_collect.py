@@ -121,6 +121,36 @@ def test_moodle_folder_of_a_name_that_begins_with_a_dot_is_collected(
     assert collected_files(tmp_path / "out") == [f"participant12345/{NAME}", "received.csv"]
 
 
+@pytest.mark.parametrize(
+    "person",
+    [
+        "\u0639\u0644\u06cc\u200c\u0631\u0636\u0627 B",  # Persian, with a zero-width non-joiner
+        "\u5c71\u7530\u3000\u592a\u90ce",  # Japanese, with an ideographic space
+        "Ana\u00a0Maria Lopez",
+        "\u200f\u05d3\u05d5\u05d3 K",  # Hebrew, with a direction mark
+        "\u0d9a\u0dca\u200d\u0dbb P",  # Sinhala, with a joiner
+        "\u0e2a" * 70,  # Thai, 3 bytes for each letter
+    ],
+)
+@pytest.mark.parametrize(
+    "path",
+    [
+        f"{{}}_8_assignsubmission_file_/{NAME}",
+        f"8-64 - {{}} - Mar 8, 2026 1159 PM/{NAME}",
+        f"Week 1/{{}}(u8)/Submission attachment(s)/{NAME}",
+        "Ada_8_assignsubmission_file_/{}.ipynb",
+    ],
+)
+def test_name_with_invisible_characters_of_its_language_is_collected(
+    path: str, person: str, tmp_path: Path
+) -> None:
+    (tmp_path / "in.zip").write_bytes(zipped({path.format(person): notebook(exercise="week01_exercise")}))
+    collection = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN)
+    assert (collection.count, collection.skipped) == (1, [])
+    (found,) = find_submissions(tmp_path / "out")
+    assert (found.exercise, found.problem) == ("week01_exercise", "")
+
+
 @pytest.mark.parametrize("cell", ["4100001.0", "\u0664\u0661\u0660.0"])
 def test_id_that_a_program_has_read_as_a_number_is_rejected(cell: str) -> None:
     with pytest.raises(CourseError, match="A program has read the ID as a number: read the column as text"):

@@ -3,6 +3,7 @@
 import os
 import re
 import stat
+import unicodedata
 import zipfile
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -31,7 +32,7 @@ ENTRY = b"PK\x01\x02"  # signature of each entry in an archive's directory
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 ENCRYPTED, UTF_8 = 0x1, 0x800  # flags of a file, and of its name
 MAX_DEPTH = 3  # limit on the nesting of archives
-MAX_NAME = 200  # [B] limit on a path component
+MAX_NAME = 255  # [B] limit on a path component, that of file systems
 MAX_PATH = 1000  # [B] limit on a path
 MAX_UNPACKED_FILES = 1000  # limit on the files in all archives of a student
 MAX_UNPACKED_BYTES = 50_000_000  # [B] limit on their size, nested archives included
@@ -39,6 +40,9 @@ RECEIPT = "receipt.json"  # file name in the zip of `course submit`
 JUNK = ("__MACOSX", "Thumbs.db")
 MOODLE_MARK = "_assignsubmission_"  # in the names that Moodle writes
 MAC_NAMES = (".DS_Store", ".localized")  # files that macOS adds to every folder
+CONTROLS = ("Cc", "Cs", "Zl", "Zp")  # categories of characters that no name contains
+# They reverse the following text, so that a name is shown as another one.
+BIDI_CONTROLS = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
 HIDDEN = "a name in its path begins with a dot, and the student submitted no visible file. Rename it"
 
 Reject = Callable[[str, str], None]  # called with a file's name and the reason
@@ -363,7 +367,9 @@ def path_problem(parts: tuple[str, ...]) -> str:
     for part in parts:
         if part in ("", ".", "..") or "\\" in part or (len(part) > 1 and part[1] == ":"):
             return "its path leads out of the folder"
-        if hidden := next((character for character in part if not character.isprintable()), ""):
+        # Names of persons contain other invisible characters: joiners in Persian and Sinhala, wide
+        # and no-break spaces, direction marks.
+        if hidden := next((c for c in part if unicodedata.category(c) in CONTROLS or c in BIDI_CONTROLS), ""):
             return f"its name contains the invisible character U+{ord(hidden):04X}. Rename the file"
         if len(part.encode("utf-8", "replace")) > MAX_NAME:
             return f"its name is longer than {MAX_NAME} bytes"
