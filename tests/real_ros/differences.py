@@ -30,6 +30,7 @@ _ENUMERATIONS = (
 )
 _FOREVER, _FIELD = "Waiting forever", "A field of the wrong type"
 _NUMBERS = "Arrays of numbers"
+_DATES = "`get_parameter_value` for dates, maps and binary data"
 _THREADS = "An exception in a callback of a MultiThreadedExecutor"
 _TYPES = "`GetParameterTypes` for an unknown parameter of a node with `allow_undeclared_parameters`"
 # By file and probe.
@@ -102,6 +103,38 @@ PROBES: dict[str, dict[str, Difference]] = {
         },
         "name.as_bytes": Difference(_BYTES_AS_NAMES, "TypeError: rclpy_resolve_name(): incompatible"),
         "name.of_dds": Difference(_DDS_NAMES, "False"),
+    },
+    "overrides": {
+        **{
+            f"yaml.{text}": Difference(_DATES, f"string_value='{text}'")
+            for text in (
+                "2024-01-01",
+                "2001-12-14t21:59:43.10-05:00",
+                "2001-12-14 21:59:43.10 -5",
+                "a: b",
+                "{a: 1}",
+                "{}",
+                "!!binary aGVsbG8=",
+            )
+        },
+        **{
+            f"yaml.{number}": Difference(_FIELD, "The 'integer_value' field must be an integer in")
+            for number in (2**63, -(2**63) - 1)
+        },
+        **{
+            f"checked.{name}": Difference(_NUMBERS, stored)
+            for name, stored in {
+                "ints_for_doubles": "'array', 'd', 2",
+                "bytes_for_doubles": "ValueError: bytes length not a multiple of item size",
+                "numpy_ints_for_doubles": "'array', 'd', 2",
+                "array_of_floats_for_doubles": "'array', 'd', 1",
+                "array_of_doubles_for_floats": "'array', 'f', 1",
+                "numpy_for_bytes": "'array', 'B', 2",
+                "array_of_ints_for_bytes": "'array', 'B', 1",
+                "numpy_matrix_for_covariance": "must have a size of 36",
+                "numpy_ints_for_covariance": "'ndarray', 'float64', 36",
+            }.items()
+        },
     },
     "everyday": {
         "managed.returns": Difference(_ENUMERATIONS, "[<TransitionCallbackReturnType.SUCCESS: 97>"),

@@ -16,7 +16,7 @@ PARAMETERS = "ros__parameters"
 DEEPEST = 50
 _TRUE = {"Y", "y", "yes", "Yes", "YES", "true", "True", "TRUE", "on", "On", "ON"}
 _FALSE = {"N", "n", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF"}
-_INTEGER = re.compile(r"[+-]?(0[xX][0-9a-fA-F]+|\d+)")
+_INTEGER = re.compile(r"[+-]?(0[xX][0-9a-fA-F]+|[0-9]+)")
 _STRING = "tag:yaml.org,2002:str"
 # rcl uses libyaml, too, which accepts a tab before a comment.
 _LOADER = getattr(yaml, "CLoader", yaml.Loader)
@@ -51,8 +51,14 @@ def read_text(text: str) -> list[tuple[str, dict[str, Any]]]:
 
 
 def read_value(text: str) -> Any:
-    """Parse one value. Raise ValueError if a parameter cannot have it."""
-    return _value(next(iter(_documents(text)), None))
+    """Parse one value. Raise ValueError if a parameter cannot have it.
+
+    Spaces or a comment are no value: the parameter is not set, as in rcl.
+    """
+    documents = _documents(text)
+    if not documents and text:
+        return None
+    return _value(documents[0] if documents else None)
 
 
 def _documents(text: str) -> list[Any]:
@@ -103,8 +109,11 @@ def _flatten(mapping: Any, prefix: str) -> Iterator[tuple[str, Any]]:
         # The only item of a list, or of nested lists with one item each.
         while isinstance(inner, yaml.SequenceNode):
             inner = inner.value[0] if len(inner.value) == 1 else None
-        if isinstance(value, yaml.MappingNode):
+        if isinstance(value, yaml.MappingNode) and value.value:
             yield from _flatten(value, f"{name}.")
+        elif isinstance(value, yaml.MappingNode):
+            # rcl adds a parameter that is not set.
+            yield name, None
         elif isinstance(inner, yaml.MappingNode):
             yield from _flat_in_list(inner, f"{name}.")
         else:
@@ -170,4 +179,5 @@ def _scalar(node: yaml.ScalarNode) -> bool | int | float | str:
     except ValueError:
         return text
     is_out_of_range = math.isinf(real) and any(character.isdigit() for character in text)
-    return text if "_" in text or is_out_of_range else real
+    # Unlike C, Python reads underscores and digits of other scripts.
+    return real if text.isascii() and "_" not in text and not is_out_of_range else text

@@ -2,7 +2,7 @@
 """Values of each kind of field, assigned to messages that check them: `Point(check_fields=True)`.
 
 Most values are wrong on purpose. Values with the same outcome are listed together. Sequences of
-numbers are in values.py, as the kit converts them as Jazzy does without checks.
+numbers are in values.py and overrides.py, as the kit converts them as Jazzy does without checks.
 """
 
 import array

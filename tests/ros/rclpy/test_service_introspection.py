@@ -55,7 +55,9 @@ def test_each_step_of_a_call_is_an_event_with_a_sequence_number_and_time(node: N
     heard = called(node, ends, ServiceIntrospectionState.METADATA)
     assert [event.info.event_type for event in heard] == KINDS
     assert {event.info.sequence_number for event in heard} == {1}
-    assert len({tuple(event.info.client_gid) for event in heard}) == 1
+    sent, taken, answered, received = (tuple(event.info.client_gid) for event in heard)
+    assert (sent, taken) == (received, answered)
+    assert sent != taken
     stamps = [event.info.stamp.sec * 10**9 + event.info.stamp.nanosec - START_NS for event in heard]
     assert stamps == [0, 1_000_000, 1_000_000, 2_000_000]
     assert [(len(event.request), len(event.response)) for event in heard] == [(0, 0)] * 4

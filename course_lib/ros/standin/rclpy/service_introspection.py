@@ -41,10 +41,15 @@ class ServiceEvents:
 
     def publish(self, event_type: int, client: int, number: int, message: RosMessage) -> None:
         """Publish the event of a request or response that was sent or received."""
+        # With Fast DDS, a client's own events have the GID of its writer of requests, and those of
+        # a service the GID of the client's reader of responses.
+        is_at_client = event_type in (ServiceEventInfo.REQUEST_SENT, ServiceEventInfo.RESPONSE_RECEIVED)
+        # 3 and 4 are the kinds of writers and readers in DDS.
+        entity = client << 8 | (3 if is_at_client else 4)
         info = ServiceEventInfo(
             event_type=event_type,
             stamp=Time(nanoseconds=self._clock.handle.now_ns).to_msg(),
-            client_gid=list(client.to_bytes(16, "little")),
+            client_gid=list(entity.to_bytes(16, "big")),
             sequence_number=number,
         )
         event = self._kind(info=info)

@@ -256,8 +256,10 @@ def _add(parsed: Arguments, flag: str, value: str) -> None:
             if wrong is not None:
                 at = wrong.start()
                 raise ValueError(f"Expected lexeme type (22) not found, search ended at index {at}")
-            parsed.overrides.append((f"/**/{node}" if node else "/**", {match: read_value(to)}))
+            parsed.overrides.append((f"/{node}" if node else "/**", {match: read_value(to)}))
         else:
+            if rule["kind"] and match.startswith("__"):
+                raise ValueError(f"{rule['kind']}:// needs the name of a topic or service, not {match}")
             _check_remap(match, to)
             kind = _SCHEMES.get(rule["kind"] or "")
             parsed.remaps.append(Remap(node, "__node" if match == "__name" else match, to, kind))
@@ -268,12 +270,18 @@ def _check_remap(match: str, to: str) -> None:
 
     rcl's own error quotes its text.
     """
+    # rcl reserves tokens that begin with two underscores, and `~` is only the namespace of the node.
+    for name in (match.removeprefix("__"), to):
+        if re.search(r"(?:^|/)__|~(?!/)", name):
+            raise ValueError(f"{name!r} contains a reserved token")
     try:
         if match in ("__node", "__name"):
             names.validate_node_name(to)
         elif match == "__ns":
             # rcl accepts a slash at the end here, and rejects it when it creates the node.
             names.validate_namespace(to if to == "/" else to.removesuffix("/"))
+        elif match.startswith("__"):
+            raise ValueError(f"{match} is neither __node nor __ns")
         else:
             for name in (match, to):
                 names.validate_topic_name(name)
