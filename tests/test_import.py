@@ -41,6 +41,16 @@ def test_importing_the_kit_loads_no_heavy_modules() -> None:
     assert not [name for name in HEAVY if name in loaded]
 
 
+def test_start_of_a_program_does_not_import_the_metadata_of_packages(tmp_path: Path) -> None:
+    (tmp_path / "node.py").write_text("import sys, rclpy.node, std_msgs.msg; print(*sys.modules)")
+    loaded = subprocess.run(
+        [sys.executable, "-m", "course_lib", "run", "node.py"],
+        cwd=tmp_path, capture_output=True, text=True, check=True, timeout=PATIENCE,
+    ).stdout.split()  # fmt: skip
+    assert "course_lib.ros.programs.packages" in loaded
+    assert not {"importlib.metadata", "email.message"} & set(loaded)
+
+
 def test_checking_in_a_kernel_imports_neither_the_jail_nor_process_pools() -> None:
     code = (
         "import sys, course_lib; from course_lib.ros.programs import import_path; "

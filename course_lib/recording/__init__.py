@@ -474,7 +474,9 @@ def bag_metadata(folder: Path) -> dict[str, Any]:
 
     try:
         text = read_text(folder / METADATA)
-        about = dict(yaml.safe_load(text)["rosbag2_bagfile_information"])
+        # In C where it is compiled: the other one takes a second for a line of nested brackets.
+        loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+        about = dict(yaml.load(text, loader)["rosbag2_bagfile_information"])
         return about | {"relative_file_paths": [str(name) for name in about["relative_file_paths"]]}
     except (OSError, ValueError, RecursionError, yaml.YAMLError, KeyError, TypeError):
         return {}

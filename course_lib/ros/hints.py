@@ -32,7 +32,7 @@ from course_lib.ros.student_code import (
 )
 from course_lib.ros.tf2 import BufferCore
 
-# Limit on the characters of an error's text that are examined.
+# Limit on the characters of an error's text, and of the failing line, that are examined.
 MAX_TEXT = 2000
 
 
@@ -277,7 +277,8 @@ def _rclpy_attribute_hint(error: BaseException) -> str:
 
 def _line_hint(error: BaseException, text: str) -> str:
     """Return the first hint of the table whose pattern matches the student's line and the error, or ""."""
-    both = f"{line_of_student(error).rstrip()}\n{type(error).__name__}: {text}"
+    line = line_of_student(error).rstrip()[:MAX_TEXT]
+    both = f"{line}\n{type(error).__name__}: {text}"
     found = ((row, re.search(row.text, both)) for row in _HINTS[_OF_LINES])
     return next((row.hint.format(match[0], *match.groups()) for row, match in found if match), "")
 

@@ -4,6 +4,7 @@ import re
 import shutil
 import sqlite3
 import struct
+import time
 import tracemalloc
 from collections.abc import Iterator
 from dataclasses import replace
@@ -17,7 +18,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from course_lib.errors import CourseError
-from course_lib.recording import Recording, bag_info, read_bag, write_bag
+from course_lib.recording import Recording, bag_info, bag_metadata, read_bag, write_bag
 from course_lib.ros.graph.graph import Sample
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import message_class, serialize
@@ -306,6 +307,13 @@ def test_bag_with_malformed_metadata_is_described_by_its_messages(
     assert "Messages:          4" in text
     assert "Topic: /chatter | Type: std_msgs/msg/String | Count: 2" in text
     assert rosbag2_py.Info().read_metadata(str(file.parent), "").message_count == 4
+
+
+def test_deeply_nested_metadata_is_rejected_quickly(tmp_path: Path) -> None:
+    (tmp_path / "metadata.yaml").write_text("rosbag2_bagfile_information: " + "[" * 4000)
+    begin = time.process_time()
+    assert bag_metadata(tmp_path) == {}
+    assert time.process_time() - begin < 0.5  # [s]; PyYAML's loader in Python takes 4 s
 
 
 @pytest.mark.parametrize("opcode", [0, 3, 15])

@@ -25,7 +25,6 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from functools import cache
-from importlib.metadata import distributions
 from itertools import chain, islice
 from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
@@ -523,6 +522,9 @@ def _package(name: str, share: Path) -> Package:
     files = sorted((share.parents[1] / "lib" / name).glob("*"))
     scripts = {file.name: file for file in files if file.is_file() and is_python(file)}
     python = tuple(share.parents[1].glob("lib/python*/site-packages"))
+    # Imported here: it imports email and socket, 5 % of the start of a program.
+    from importlib.metadata import distributions
+
     installed = distributions(name=name, path=[str(path) for path in python])
     entry_points = [point for distribution in installed for point in distribution.entry_points]
     console_scripts = {p.name: (p.module, p.attr) for p in entry_points if p.group == "console_scripts"}
