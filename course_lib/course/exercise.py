@@ -12,11 +12,12 @@ import sys
 import unicodedata
 from collections.abc import Mapping
 from contextlib import suppress
+from html import escape
 from pathlib import Path
 from typing import Any
 
 from course_lib.course.material import exercises_dir, solutions_dir
-from course_lib.course.questions import show
+from course_lib.course.questions import paragraph, show
 from course_lib.course.state import memory_span, student_state
 from course_lib.errors import CourseError, did_you_mean, format_count
 from course_lib.files import write_atomically
@@ -312,13 +313,15 @@ def _form(identity: str | None, text: str) -> Any:
         value=identity or "", description="Student ID", placeholder="20231234", continuous_update=False
     )
     button = widgets.Button(description="Keep", tooltip="Keep this student ID", button_style="primary")
-    answer = widgets.Label(value=text)
+    # A label shows one line only.
+    answer = widgets.HTML(paragraph(escape(text)))
 
     def keep(_: object) -> None:
         try:
-            answer.value = set_identity(field.value)
+            text = set_identity(field.value)
         except CourseError as error:
-            answer.value = str(error)
+            text = str(error)
+        answer.value = paragraph(escape(text))
 
     button.on_click(keep)
     # The value changes on Enter and when the field loses the focus.

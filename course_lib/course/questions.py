@@ -241,7 +241,7 @@ def _comparison_after_choice(key: str, question: Question, measured: str) -> For
     on_answer: list[Callable[[], None]] = []
 
     def reveal() -> None:
-        output.value = _paragraph(comparison().html)
+        output.value = paragraph(comparison().html)
         for call in on_answer:
             call()
 
@@ -287,10 +287,11 @@ def _prediction_form(key: str, question: Question, saved_answer: str | None) -> 
     def keep(change: dict[str, Any]) -> None:
         if change["new"] is not None:
             student_state().put(SECTION, key, change["new"])
-            status.value = "Kept. Now run the next cell."
+            reveal = _waiting.get(key)
+            status.value = "Kept. See the result below." if reveal else "Kept. Now run the next cell."
             for call in on_answer:
                 call()
-            if reveal := _waiting.get(key):
+            if reveal:
                 reveal()
 
     def saved_output() -> tuple[str, str]:
@@ -298,12 +299,12 @@ def _prediction_form(key: str, question: Question, saved_answer: str | None) -> 
         return _saved_output([AnsweredQuestion(f"Predict: {question.text}", question, chosen)])
 
     choice.observe(keep, names="value")
-    title = widgets.HTML(_CHOICE_STYLE + _paragraph(f"<b>Predict:</b> {question.text}"))
+    title = widgets.HTML(_CHOICE_STYLE + paragraph(f"<b>Predict:</b> {question.text}"))
     form = widgets.VBox([title, choice, status])
     return Form(form, saved_output, on_answer)
 
 
-def _paragraph(html: str) -> str:
+def paragraph(html: str) -> str:
     """Return HTML with a small line height: ipywidgets' lines are as high as a button."""
     return f'<div style="line-height: 1.4; padding: 4px 0">{html}</div>'
 
@@ -410,17 +411,17 @@ def _question(
     texts = [answer.text for answer in question.answers]
     index = question.answers.index(saved_answer) if saved_answer else None
     choice = _radio_buttons(options=texts, index=index)
-    feedback = widgets.HTML(_paragraph(verdict(saved_answer)) if saved_answer else "")
+    feedback = widgets.HTML(paragraph(verdict(saved_answer)) if saved_answer else "")
     wide = {"max_width": "52em"}
 
     def react(change: dict[str, Any]) -> None:
         if change["new"] is not None:
             answer = question.answers[change["new"]]
-            feedback.value = _paragraph(verdict(answer))
+            feedback.value = paragraph(verdict(answer))
             student_state().put(ANSWERS, key, answer.text)
             for call in on_answer:
                 call()
 
     choice.observe(react, names="index")
-    title = widgets.HTML(_CHOICE_STYLE + _paragraph(f"<b>{number}. {question.text}</b>"), layout=wide)
+    title = widgets.HTML(_CHOICE_STYLE + paragraph(f"<b>{number}. {question.text}</b>"), layout=wide)
     return widgets.VBox([title, choice, feedback], layout={"margin": "0 0 1em 0"}), choice

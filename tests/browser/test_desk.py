@@ -22,6 +22,16 @@ def test_status_line_shows_the_worst_status_until_the_tree_is_opened(bench: Benc
 
 
 @pytest.mark.slow
+def test_long_status_is_wrapped_below_a_narrow_view(bench: Bench) -> None:
+    bench.page.evaluate("document.querySelector('.course-viewer').style.width = '420px'")
+    line = bench.page.locator(".course-line").first
+    assert line.inner_text().endswith("No tf data. Actual error: Frame [map] does not exist")
+    assert line.evaluate(
+        "line => line.scrollWidth <= line.clientWidth && line.scrollHeight <= line.clientHeight"
+    )
+
+
+@pytest.mark.slow
 def test_status_has_icon_level_and_text(bench: Bench) -> None:
     bench.open("Marker", "Status: Ok")
     row = bench.row("Topic").first

@@ -40,7 +40,9 @@ def test_one_click_stores_the_id_and_writes_it_into_the_exercises(lesson: Notebo
     cell = lesson.cell("ask_identity()")
     cell.get_by_role("textbox").last.fill(" 2023 77 ")
     cell.get_by_role("button", name="Keep").click()
-    cell.get_by_text("Your ID is 202377").wait_for()
+    answer = cell.get_by_text("Your ID is 202377")
+    answer.wait_for()
+    assert answer.evaluate("answer => answer.scrollWidth <= answer.parentElement.clientWidth")
     assert json.loads((lesson.folder / ".course" / "identity.json").read_text()) == {"student": "202377"}
     assert read_notebook(lesson.folder / "week01_exercise.ipynb")["metadata"]["course"]["student"] == "202377"
 

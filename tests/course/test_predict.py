@@ -17,9 +17,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def choose(answer: str) -> None:
+def choose(answer: str) -> str:
+    """Choose an answer. Return the line below the options."""
     form = _prediction_form("week01.ground", read_prediction("week01.ground"), None)
     form.widget.children[1].value = answer
+    return str(form.widget.children[2].value)
 
 
 def test_prediction_outside_a_notebook_is_printed_and_not_stored(
@@ -45,7 +47,7 @@ def test_comparison_hides_the_answer_until_a_prediction_is_chosen(monkeypatch: p
     assert right.text not in form.widget.value
     assert right.text not in form.saved_output()[1]
     assert right.text not in form.saved_output()[0]
-    choose(WRONG)
+    assert choose(WRONG) == "Kept. See the result below."
     assert f"You predicted: {WRONG}." in form.widget.value
     assert f"What happened: {RIGHT}." in form.widget.value
     assert "Measured: z = 0.0 m" in saved[0][1]

@@ -245,7 +245,7 @@ class LiveRun:
         line = line_of_traceback(error.__traceback__)
         summary = f"{type(error).__name__}: {error}".splitlines()[0][:_LONGEST_ERROR]
         error_with_line = f"{summary}{line and f' in {line}'}"
-        self.error = f"{error_with_line}. Read on below the view."
+        self.error = f"{error_with_line}. Read on below."
         self.stop()
         errors = self._graph.state(ProgramNodes).errors
         for node in self.nodes:
