@@ -113,7 +113,9 @@ def test_invisible_view_finally_shows_the_received_messages(
         ("", False),
         ("parameters=[{'use_sim_time': True}]", True),
         ("parameters=[{'use_sim_time': False}]", False),
-        ("name='view', namespace='a', ros_arguments=['-p', 'view:use_sim_time:=true']", True),
+        ("name='view', ros_arguments=['-p', 'view:use_sim_time:=true']", True),
+        # The prefix stands for /view.
+        ("name='view', namespace='a', ros_arguments=['-p', 'view:use_sim_time:=true']", False),
         ("name='view', ros_arguments=['-p', 'rviz2:use_sim_time:=true']", False),
     ],
 )
