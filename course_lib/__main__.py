@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+from io import TextIOWrapper
 
 from course_lib.usual_commands import HASH_SEED, INTERRUPTED, fix_hash_seed
 
@@ -14,6 +15,9 @@ def main() -> None:
             # SIGINT was blocked during the restart, and is pending if it was sent.
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         fix_hash_seed(sys.argv[1:])
+        # Where the output is not UTF-8, as in a file on Windows, a name must not end the command.
+        if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.encoding.lower() != "utf-8":
+            sys.stdout.reconfigure(errors="replace")
         # Imported here because these modules take longer to import than the restart above; typer
         # takes longest.
         from course_lib.usual_commands import call, find_usual_command

@@ -4,6 +4,8 @@ import os
 import re
 import stat
 import struct
+import subprocess
+import sys
 import zipfile
 from collections.abc import Callable, Mapping
 from io import BytesIO
@@ -149,6 +151,33 @@ def test_name_with_invisible_characters_of_its_language_is_collected(
     assert (collection.count, collection.skipped) == (1, [])
     (found,) = find_submissions(tmp_path / "out")
     assert (found.exercise, found.problem) == ("week01_exercise", "")
+
+
+@pytest.mark.parametrize(
+    ("environment", "rejected"),
+    [
+        ({"PYTHONIOENCODING": "latin-1"}, 0),
+        ({"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "PYTHONIOENCODING": "ascii"}, 1),
+    ],
+)
+def test_names_without_characters_in_the_locale_do_not_stop_collecting(
+    environment: dict[str, str], rejected: int, tmp_path: Path
+) -> None:
+    files = {
+        f"\u5c71_8_assignsubmission_file_/\u5c71_{NAME}": notebook(exercise="week01_exercise"),
+        "\u5c71_8_assignsubmission_file_/\u5c71.exe": b"",
+        f"Ada_9_assignsubmission_file_/{NAME}": notebook(exercise="week01_exercise"),
+    }
+    (tmp_path / "in.zip").write_bytes(zipped(files))
+    command = [sys.executable, "-m", "course_lib", "collect", "in.zip", "--out", "out"]
+    env = os.environ | environment
+    done = subprocess.run(
+        command, cwd=tmp_path, env=env, capture_output=True, check=False, timeout=120, text=True
+    )
+    assert (done.returncode, done.stderr) == (1, "")
+    assert done.stdout.count("_8_assignsubmission_file_/") == 1 + rejected
+    assert done.stdout.count("names of files on this system lack its characters") == rejected
+    assert (tmp_path / f"out/participant9/{NAME}").is_file()
 
 
 @pytest.mark.parametrize("cell", ["4100001.0", "\u0664\u0661\u0660.0"])

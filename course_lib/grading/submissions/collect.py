@@ -49,6 +49,9 @@ from course_lib.grading.submissions.submission import (
 )
 
 BAD_PATHS = (errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.ENAMETOOLONG, errno.EINVAL, errno.EILSEQ)
+NO_SUCH_CHARACTERS = (
+    "names of files on this system lack its characters. Set LC_ALL=C.UTF-8, and collect again"
+)
 LATE_TEXTS = {True: "yes", False: "no", None: ""}
 MOST_LINES = 10  # limit on the rejected files of an owner that are listed
 MAX_NAME = 100  # limit on the characters of a rejected file's name in received.csv
@@ -425,10 +428,11 @@ class Store:
             elif item := items_by_path.get(arrival.components):
                 try:
                     self._store(arrival, item)
-                except OSError as error:
-                    if error.errno not in BAD_PATHS:
+                except (OSError, UnicodeEncodeError) as error:
+                    if isinstance(error, OSError) and error.errno not in BAD_PATHS:
                         raise
-                    why = f"can't be kept: {error.strerror}"
+                    reason = error.strerror if isinstance(error, OSError) else NO_SUCH_CHARACTERS
+                    why = f"can't be kept: {reason}"
                     owner = download.owner(arrival.components)
                     collection.reject("/".join(arrival.components), why, owner)
                 else:
