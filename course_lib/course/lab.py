@@ -2,6 +2,7 @@
 
 import os
 import secrets
+import shlex
 import signal
 import socket
 import subprocess
@@ -52,8 +53,13 @@ def free_port(first: int = FIRST_PORT) -> int:
 def command(folder: Path, port: int) -> list[str]:
     """Return the command that starts the server for this folder only, without pop-ups."""
     allow_root = ["--allow-root"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
+    # Without a terminal of its own, Jupyter runs login shells in its terminals, and Debian's
+    # /etc/profile replaces the PATH in which `course` is found.
+    shell = shlex.quote(os.environ.get("SHELL") or "sh")
+    terminals = [] if os.name == "nt" else [f"--ServerApp.terminado_settings=shell_command={shell}"]
     return [
-        *(sys.executable, "-P", "-m", "course_lib.course.jupyterlab", "--no-browser", *allow_root),
+        *(sys.executable, "-P", "-m", "course_lib.course.jupyterlab", "--no-browser"),
+        *(allow_root + terminals),
         f"--ServerApp.root_dir={folder}",
         f"--ServerApp.port={port}",
         # Stop at the first Ctrl+C, without asking.

@@ -14,6 +14,7 @@ from typing import Any
 
 import psutil
 import pytest
+import websocket
 from jupyter_client.blocking.client import BlockingKernelClient
 from nbconvert import HTMLExporter, SlidesExporter
 from nbformat.v4 import new_code_cell, new_notebook, new_output
@@ -200,6 +201,10 @@ def test_kernels_of_the_server_are_encrypted_and_find_the_commands_of_the_kit(
     for name in HOME_DIRS:
         monkeypatch.setenv(name, str(tmp_path / "home" / name.lower()))
     monkeypatch.setenv("PATH", os.defpath)
+    # Debian's /etc/profile does the same.
+    (tmp_path / ".profile").write_text(f"PATH={os.defpath}\n")
+    for name, value in {"HOME": str(tmp_path), "SHELL": "/bin/sh"}.items():
+        monkeypatch.setenv(name, value)
     (tmp_path / "mine").mkdir()
     with lab_module.server(tmp_path / "mine", free_port(8888)) as (process, address):
         base, _, token = address.partition("lab/tree")
@@ -210,7 +215,18 @@ def test_kernels_of_the_server_are_encrypted_and_find_the_commands_of_the_kit(
         file = tmp_path / "home/jupyter_runtime_dir" / f"kernel-{kernel}.json"
         assert json.loads(file.read_text())["curve_publickey"]
         path = psutil.Process(process.pid).environ()["PATH"]
-        assert shutil.which("course", path=path)
+        assert (command_file := shutil.which("course", path=path))
+        request = urllib.request.Request(f"{base}api/terminals", body, headers)
+        with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
+            terminal = json.loads(answer.read())["name"]
+        socket_url = f"ws{base.removeprefix('http')}terminals/websocket/{terminal}"
+        connection = websocket.create_connection(socket_url, PATIENCE, header=headers)
+        connection.send(json.dumps(["stdin", "command -v course; echo end\r"]))
+        shown = ""
+        while "\nend" not in shown:
+            shown += str(json.loads(connection.recv())[-1])
+        connection.close()
+        assert command_file in shown
         client = BlockingKernelClient(connection_file=str(file))
         client.load_connection_file()
         client.start_channels(hb=False)
