@@ -25,6 +25,7 @@ from course_lib.grading.run.scenario import WALL_LIMIT, run_in_this_process
 from course_lib.grading.submissions.notebook import NOT_SUBMITTED
 from course_lib.grading.task import Catalog, Task, shipped_catalog
 from course_lib.host import in_notebook
+from course_lib.tools.resume import resumed_sources
 
 STRICT = "COURSE_STRICT"
 STUB = "raise NotImplementedError"
@@ -85,7 +86,7 @@ def check(task_id: str, subject: Any = MISSING) -> None:
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython is not None else None
     history = getattr(shell, "history_manager", None)
-    cells = [] if history is None else list(history.input_hist_raw)
+    cells = [] if history is None else [*resumed_sources, *history.input_hist_raw]
     save_progress(task, result, cells, student)
     table = table_of(task, result, evidence, student, _ADVICE, source, caught)
     # Python files of the notebook's folder that were imported are not submitted with it.

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 # Functions that only ask questions or check answers. No later cell depends on them.
 _QUESTION_CALLS = {"ask_identity", "check", "compare", "predict", "quiz", "resume"}
 _PACE = "COURSE_PACE"
-# Sources that `resume` has run in this kernel.
-_resumed: set[str] = set()
+# Sources that `resume` has run in this kernel, in the order of their runs. IPython's history lacks them.
+resumed_sources: list[str] = []
 # Whether `resume` is running cells, which may call `resume` themselves.
 _is_resuming = False
 
@@ -62,7 +62,7 @@ def resume() -> None:
     # before another one that was not run is run again, because it may depend on it.
     cells = [c for c in _cells_above(shell) if c.source.strip() and not _is_interactive(shell, c.source)]
     history = getattr(shell.history_manager, "input_hist_raw", [])
-    run_sources = {str(source).strip() for source in (*history, *_resumed)}
+    run_sources = {str(source).strip() for source in (*history, *resumed_sources)}
     first = next((i for i, c in enumerate(cells) if c.source.strip() not in run_sources), len(cells))
     waiting = cells[first:]
     if not waiting:
@@ -72,7 +72,7 @@ def resume() -> None:
     with _resuming():
         for cell in waiting:
             fault = _run(shell, cell.source)
-            _resumed.add(cell.source)
+            resumed_sources.append(cell.source)
             if fault:
                 failed.append(f"  In [{cell.number}]: {fault}")
     lines = [f"Ran {format_count(len(waiting), 'cell')} above. Continue below."]

@@ -175,6 +175,16 @@ def test_notice_below_a_narrow_view_is_not_cut_off(bench: Bench, tmp_path: Path)
     assert max(hidden) <= 0
 
 
+def test_long_status_leaves_one_line_to_a_notice(bench: Bench) -> None:
+    status = bench.page.locator(".course-line").first
+    assert "No tf data. Actual error: Frame [map] does not exist" in status.inner_text()
+    bench.page.evaluate("document.querySelector('.course-viewer').style.width = '640px'")
+    bench.page.locator("canvas").press("g")
+    notice = bench.page.locator(".course-notice")
+    assert notice.inner_text() == "Click and drag to set position and orientation."
+    assert notice.evaluate("notice => notice.clientHeight") < 30  # [px]; a line has 20
+
+
 @pytest.mark.slow
 def test_malformed_panel_command_is_reported_in_the_status_line(bench: Bench) -> None:
     bench.widget.link.receive({"type": "desk", "act": "SetValue", "row": "nowhere", "value": 1})

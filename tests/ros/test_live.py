@@ -19,6 +19,8 @@ from course_lib.ros.time.driving import LiveRun, run_live, running_nodes, stop_a
 Captured = pytest.CaptureFixture[str]
 A_MINUTE = 60.0  # [s]
 
+SHOW = LiveRun.show  # the fixture replaces it
+
 
 @pytest.fixture
 def notebook(monkeypatch: pytest.MonkeyPatch) -> Iterator[Graph]:
@@ -293,6 +295,13 @@ class Faulty(Node):
 
     def tick(self) -> None:
         raise ValueError("too <fast>")
+
+
+def test_long_error_does_not_squeeze_the_stop_button(notebook: Graph) -> None:
+    run = LiveRun(notebook, (Node("talker"),))
+    SHOW(run)
+    assert run._panel is not None
+    assert run._panel.children[0].layout.flex == "none"
 
 
 def test_run_state_shows_the_error_after_an_exception(

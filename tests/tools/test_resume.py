@@ -13,6 +13,7 @@ import pytest
 from jupyter_client.manager import KernelManager
 
 from course_lib.course.material import lessons
+from course_lib.course.state import STATE_FOLDER, cell_digest, last_check, state_of
 from course_lib.tools.resume import resume
 from tests.patience import PATIENCE
 
@@ -137,6 +138,23 @@ thread.join()"""
     with kernel_of(notebook) as kernel:
         kernel.run(6, "from course_lib import resume\nresume()")
         assert kernel.run(7, "print(thread.is_alive(), errors)") == ("False []\n", "")
+
+
+def test_check_after_resume_counts_as_a_check_of_the_cells_that_resume_ran(notebook: Path) -> None:
+    (notebook.parent / STATE_FOLDER).mkdir()  # as in a student's folder
+    content = json.loads(notebook.read_text())
+    answer = "def battery_bar(charge, height):\n    return 0"
+    asking = 'check("week05.battery_bar", battery_bar)'
+    for cell, source in zip(content["cells"][3:], [answer, "size = 0", asking], strict=False):
+        cell["source"] = source
+    notebook.write_text(json.dumps(content))
+    with kernel_of(notebook) as kernel:
+        kernel.run(6, "from course_lib import resume\nresume()")
+        printed, _ = kernel.run(6, f"from course_lib import check\n{asking}")
+        assert "ended with an error" not in printed
+    last = last_check(state_of(notebook.parent), "week05.battery_bar")
+    assert last is not None
+    assert cell_digest(answer) in last.cells
 
 
 @pytest.mark.slow

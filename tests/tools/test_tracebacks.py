@@ -97,7 +97,7 @@ def test_display_property_set_as_an_attribute_gets_a_hint(run: Run) -> None:
     cells = (
         CELLS.partition("---")[0] + "from course_lib import Viewer\n---\nViewer().add('TF').enabled = False"
     )
-    assert 'hint: write `display["Enabled"] = False`.' in run(cells)
+    assert 'hint: write `display["Enabled"] = True`, or `False`.' in run(cells)
 
 
 def test_syntax_error_keeps_its_caret(run: Run) -> None:

@@ -210,7 +210,8 @@ class LiveRun:
         import ipywidgets
         from IPython.display import display
 
-        button = ipywidgets.Button(description="Stop", icon="stop", tooltip="Stop these nodes")
+        look = {"flex": "none"}  # a long error beside it does not squeeze it
+        button = ipywidgets.Button(description="Stop", icon="stop", tooltip="Stop these nodes", layout=look)
         button.on_click(lambda _: self._on_stop_click())
         if hasattr(button.comm, "_reply_subshell_for"):
             # ipykernel 7.4 delays a page's messages while a callback runs, with or without
