@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from course_lib.errors import CourseError
+from course_lib.grading.submissions import lms
 from course_lib.grading.submissions.lms import fill_lms
 from course_lib.grading.submissions.roster import LmsFile
 
@@ -217,6 +218,20 @@ def test_class_without_a_final_mark_is_reported_with_the_status(fill: Fill, out:
     (out / "gradebook.csv").write_text(GRADEBOOK.replace(",graded,", ",needs_marking,"))
     with pytest.raises(CourseError, match=r"no mark was written into lms\.csv: row 2, ada1: needs_m"):
         fill(b"id,mark\nada1,\n", "mark", "id")
+
+
+def test_comment_that_the_encoding_of_the_csv_lacks_is_reported_with_its_row(
+    fill: Fill, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lms, "_comments", lambda *_: {"ada1": 'at most "5", \u2264'})
+    book, columns = "id;mark;note\nada1;;\nM\u00fcller;;\n", ("mark", "id")
+    with pytest.raises(
+        CourseError, match=r"lms\.csv, row 2: its encoding latin-1 lacks the character '\u2264'"
+    ):
+        fill(book.encode("latin-1"), *columns, comment_column="note")
+    assert not (out / "filled.csv").exists()
+    filled, _ = fill(book.encode(), *columns, comment_column="note")
+    assert '\nada1;81.45;"at most ""5"", \u2264"\n'.encode() in filled
 
 
 ANY_TEXT = st.text(st.sampled_from('ab,;"\t\r\n |é=+-@ 7'), max_size=60).map(lambda text: "a,b" + text)

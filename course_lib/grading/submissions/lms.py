@@ -95,6 +95,14 @@ def fill_lms(
     for row, key in ids.items():
         if row not in unfilled and key in comments and comment_place < len(file.rows[row]):
             quoted = comments[key].replace('"', '""')
+            try:
+                quoted.encode(file.encoding, "surrogatepass" if file.bom else "strict")
+            except UnicodeEncodeError as error:
+                raise CourseError(
+                    f"{lms.name}, row {row + 1}: its encoding {file.encoding} lacks the character "
+                    f"{quoted[error.start]!r} of the comment. Export {lms.name} again as UTF-8, or open "
+                    "it in an editor and save it as UTF-8, then repeat the command"
+                ) from error
             file.rows[row][comment_place] = f'"{quoted}"'
     write_atomically(target, file.to_bytes())
     # A CSV of one section lacks most students.
