@@ -165,20 +165,22 @@ class Advice:
         now, before = _TaskProgress(tuple(causes), passed_count, result.fraction), self._before.get(task.id)
         self._before[task.id] = now
         code = Code(source)
+        # rclpy calls a callback that is None itself, so that no line of the student's has failed.
+        has_line = bool(result.errors) and bool(re.search(r"line \d", result.errors[0]))
         texts = [_hint_by_cause(task, cause) for cause in causes]
         # A run that exceeds a limit is stopped, and its error does not state the cause.
         too_much = bool(result.errors) and "exceed the limit of a submission" in result.errors[0]
         if too_much:
             texts = [TOO_MUCH]
         elif result.errors:
-            texts = [AFTER_AN_ERROR]
+            texts = [AFTER_AN_ERROR if has_line else "The error above is the cause, so begin with it."]
         elif causes[:1] == [SILENT]:
             hidden = caught.other if caught is not None else ""
             own = _missing_call(code, result) or hidden or find_hidden_error(source)
             texts = [own or task.mistakes.get(SILENT) or _silence_hint(code), *texts]
         # Code that is stopped after its time has no other sign of the cause.
         too_long = bool(result.errors) and "is it an endless loop?" in result.errors[0]
-        slip = find_slip(source) if too_much or too_long or not result.errors else ""
+        slip = find_slip(source) if too_much or too_long or not has_line else ""
         if not slip and not result.errors:
             slip = _missing_subscription_hint(task, code) or _late_timer_hint(task, source)
         if not slip and (too_much or not result.errors):
@@ -353,6 +355,13 @@ def _missing_call(code: Code, result: TaskResult) -> str:
     topic = next((found[1] for found in silent if found), "")
     if not topic:
         return ""
+    others = re.findall(r", only on (.+)", "\n".join(check.message for check in result.checks))
+    for other in (", ".join(others)).split(", ") if code.mentions_topic(topic) else ():
+        if other.endswith(topic):
+            return (
+                f"{topic.strip('/')!r} without a slash in front is a name inside the node's namespace, "
+                f"here {other}: write {topic!r}, or leave out the namespace."
+            )
     if code.has_call("create_publisher") and not code.mentions_topic(topic) and code.has_call("publish"):
         return f"No string in your code is {topic}: compare the name in create_publisher letter by letter."
     if not code.is_plain_node:
@@ -490,6 +499,17 @@ def parameter_order_hint(task: Task, source: str) -> list[str]:
     given = _released_parameters(task.week, task.name)
     tree = parse(source)
     for node in getattr(tree, "body", ()):
+        if isinstance(node, ast.ClassDef) and node.name == task.name in given and task.kind == "function":
+            return [
+                f"Hint: {task.name} is a class here, and the task asks for a function: write "
+                f"def {task.name}({', '.join(given[task.name])})."
+            ]
+        is_node = task.kind == "node" and getattr(node, "name", "") == task.name
+        if is_node and isinstance(node, Function) and not any(one.value for one in own_returns(node)):
+            return [
+                f"Hint: {task.name} is a function here that returns no node: write class "
+                f"{task.name}(Node), with def __init__(self) and the callback in it."
+            ]
         if isinstance(node, Function) and node.name == task.name in given:
             expected = given[task.name]
             most = len(node.args.posonlyargs) + len(node.args.args)
@@ -627,20 +647,46 @@ def best_effort_hint(evidence: Iterable[Evidence]) -> list[str]:
 
 def wall_clock_hint(source: str) -> list[str]:
     """Return a sentence about the computer's clock in a node, or []."""
-    for outer in ast.walk(parse(source)):
+    tree = parse(source)
+    imports = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
+    # `import time as t` and `from time import time as now` give a clock another name.
+    modules = {
+        name.asname or name.name: f"{getattr(node, 'module', '') or ''}.{name.name}".strip(".")
+        for node in imports
+        for name in node.names
+    }
+    for outer in ast.walk(tree):
         for node in ast.walk(outer) if isinstance(outer, ast.ClassDef) else ():
-            match node:
-                case ast.Call(func=called) if re.fullmatch(_WALL_CLOCK, ast.unparse(called)):
-                    return [
-                        # The computer's clock and the robot's agree as long as no simulation runs.
-                        f"Here the checks accept {ast.unparse(called)}(), but with a simulation or a bag "
-                        "it is another time than self.get_clock().now()."
-                    ]
+            called = ast.unparse(node.func) if isinstance(node, ast.Call) else ""
+            first, dot, rest = called.partition(".")
+            if re.fullmatch(_WALL_CLOCK, f"{modules.get(first, first)}{dot}{rest}"):
+                return [
+                    # The computer's clock and the robot's agree as long as no simulation runs.
+                    f"Here the checks accept {called}(), but with a simulation or a bag "
+                    "it is another time than self.get_clock().now()."
+                ]
+            depth = re.search(r"\b(Reliability|Durability|History|Liveliness)Policy\.\w+$", _depth(node))
+            if depth:
+                return [
+                    f"{_depth(node)} is a number, which ROS takes as the queue depth: to set a policy, "
+                    f"pass QoSProfile(depth=10, {depth[1].lower()}={depth[0]})."
+                ]
     return []
 
 
+def _depth(node: ast.AST) -> str:
+    """Return the last argument of a call that creates a publisher or subscription, or ""."""
+    match node:
+        case ast.Call(func=ast.Attribute(attr="create_publisher" | "create_subscription"), args=[*_, last]):
+            return ast.unparse(last)
+    return ""
+
+
 # Functions that return the computer's time instead of the node's time.
-_WALL_CLOCK = r"time\.(time|time_ns|monotonic|perf_counter)|(datetime\.)?datetime\.(now|utcnow)"
+_WALL_CLOCK = (
+    r"time\.(time|time_ns|monotonic|perf_counter)|(datetime\.)?datetime\.(now|utcnow)|"
+    r"(rclpy\.clock\.)?Clock\(.*\)\.now"
+)
 
 
 def _may_hold_nan(cdr: bytes) -> bool:

@@ -653,7 +653,7 @@ UNREAD = "which nothing reads afterwards."
 
 
 def _unread_names(function: Function) -> Iterator[str]:
-    """Yield a sentence for each parameter and each result of a call that a function never reads."""
+    """Yield a sentence for each parameter, loop variable and result that a function never reads."""
     names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
     read = {node.id for node in names if not isinstance(node.ctx, ast.Store)}
     read |= {name for node in ast.walk(function) if isinstance(node, ast.Global) for name in node.names}
@@ -661,12 +661,54 @@ def _unread_names(function: Function) -> Iterator[str]:
     for name in parameters if "self" not in parameters[:1] else ():
         if name not in read and not name.startswith("_"):
             yield f"{function.name} never uses {name}: does its result not depend on it?"
+    yield from _unread_items(function)
     for node in ast.walk(function):
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call()) if (
                 name not in read and not name.startswith("_")
             ):
                 yield f"{quote(node)} sets {name}, {UNREAD}"
+
+
+def _unread_items(function: Function) -> Iterator[str]:
+    """Yield a sentence for each loop that does not use its items, or uses them too late."""
+    for node in ast.walk(function):
+        match node:
+            case ast.For(target=target, iter=items, body=body):
+                inner: list[ast.AST] = list(body)
+            case ast.ListComp(elt=ast.expr() as item, generators=[loop]):
+                target, items, inner = loop.target, loop.iter, [item, *loop.ifs]
+            case _:
+                continue
+        names = [part.id for part in ast.walk(target) if isinstance(part, ast.Name)]
+        # A loop that counts, and a list of equal items, need no name.
+        is_count = isinstance(items, ast.Call) and ast.unparse(items.func) in ("range", "count")
+        parts = [part for one in inner for part in ast.walk(one)]
+        is_fixed = not any(isinstance(part, ast.Name | ast.Attribute) for part in parts)
+        is_count |= any(isinstance(part, ast.AugAssign) for part in parts)
+        is_read = any(uses(one, name) for one in inner for name in names)
+        if not (is_count or is_fixed or is_read or names[0].startswith("_")):
+            yield (
+                f"The loop over {quote(items)} never uses {' or '.join(names)}: should each pass "
+                "do something with it?"
+            )
+        kept = [*inner[:1]] if isinstance(node, ast.ListComp) else []
+        for part in parts:
+            match part:
+                case ast.Call(
+                    func=ast.Attribute(attr="create_timer" | "create_subscription" | "append" | "partial"),
+                    args=arguments,
+                ):
+                    kept += arguments
+        for callback in kept:
+            if isinstance(callback, ast.Lambda):
+                own = [one.arg for one in callback.args.args]
+                late = [one for one in names if uses(callback.body, one) and one not in own]
+                if late:
+                    yield (
+                        f"{quote(callback)} reads {late[0]} when it is called, after the loop, so "
+                        f"that all get the last one: write lambda {late[0]}={late[0]}: …"
+                    )
 
 
 def _unused_fields(function: Function) -> Iterator[str]:
@@ -712,6 +754,14 @@ def _odd_calls(function: Function) -> Iterator[str]:
                 yield (
                     f"{quote(numbers)} leaves out the last item: the indices are "
                     f"range({ast.unparse(length)})."
+                )
+            case ast.Call(
+                func=ast.Attribute(attr="create_timer"),
+                args=[_, ast.Call(func=ast.Attribute(value=ast.Name(id="self"), attr=method)), *_],
+            ):
+                yield (
+                    f"{quote(node)} calls {method} now, and passes what it returns: leave out the "
+                    f"( ) after self.{method}."
                 )
             case ast.Expr(value=ast.Call(func=ast.Attribute(value=items, attr="pop"), args=[])) if (
                 f"{ast.unparse(items)}.append(" in ast.unparse(function)
@@ -804,10 +854,14 @@ def _unreachable(block: Sequence[ast.stmt]) -> Iterator[str]:
 
 
 def _lost_locals(function: Function, attributes: set[str]) -> Iterator[str]:
-    names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
+    nodes = list(ast.walk(function))
+    names = [node for node in nodes if isinstance(node, ast.Name)]
     read_names = {node.id for node in names if isinstance(node.ctx, ast.Load)}
+    loops = [node.target for node in nodes if isinstance(node, ast.For | ast.comprehension)]
+    # The variable of a loop is not meant to last.
+    inner = [part for target in loops for part in ast.walk(target)]
     for node in names:
-        if isinstance(node.ctx, ast.Store) and node.id in attributes - read_names:
+        if isinstance(node.ctx, ast.Store) and node.id in attributes - read_names and node not in inner:
             yield (
                 f"{node.id} = … in {function.name} sets a local variable, which is lost at the end "
                 f"of the method. To keep it, write self.{node.id} = …"

@@ -75,6 +75,7 @@ _FROM_PIP = {
     "qrcode": "qrcode",
     "quaternion": "numpy-quaternion",
     "requests": "requests",
+    "rerun": "rerun-sdk",
     "roslibpy": "roslibpy",
     "scipy": "scipy",
     "seaborn": "seaborn",
@@ -84,6 +85,7 @@ _FROM_PIP = {
     "skimage": "scikit-image",
     "sklearn": "scikit-learn",
     "smbus2": "smbus2",
+    "squaternion": "squaternion",
     "sounddevice": "sounddevice",
     "speech_recognition": "SpeechRecognition",
     "sympy": "sympy",
@@ -96,11 +98,20 @@ _FROM_PIP = {
     "ultralytics": "ultralytics",
     "urdf_parser_py": "urdf-parser-py",
     "uvicorn": "uvicorn",
+    "viser": "viser",
     "wandb": "wandb",
     "websocket": "websocket-client",
     "websockets": "websockets",
     "zmq": "pyzmq",
 }
+# What is installed and does the same as some of these packages.
+_INSTEAD = [
+    (
+        ("scipy", "pyquaternion", "quaternion", "squaternion"),
+        ". For rotations, tf_transformations and transforms3d are installed already",
+    ),
+    (("viser", "rerun", "open3d"), ". The displays of Viewer show what your node publishes"),
+]
 # Modules for the pins, buses and cameras of the computer on a robot.
 _ON_A_ROBOT = {
     *(
@@ -126,7 +137,8 @@ def module_hint(error: ModuleNotFoundError) -> str:
     if inner and (found := _interface_module_hint(package, inner, _imported_name(error))):
         return found
     if package in _FROM_PIP:
-        return f"it is not part of ROS 2 for Python: pip install {_FROM_PIP[package]}"
+        instead = next((text for names, text in _INSTEAD if package in names), "")
+        return f"it is not part of ROS 2 for Python: pip install {_FROM_PIP[package]}{instead}"
     if package in _ON_A_ROBOT:
         return (
             f"{package} drives devices of the robot's own computer: run this program there. Here a "

@@ -465,7 +465,7 @@ _OF_PROFILE += ("liveliness", "liveliness_lease_duration", "avoid_ros_namespace_
 
 def constructor_hint(error: BaseException) -> str:
     """Return a question with the field closest to one that a message constructor rejects, or ""."""
-    match = re.match(r"Invalid arguments passed to constructor: (\w+)", str(error))
+    match = re.match(r"Invalid arguments passed to constructor: (\w[\w, ]*)", str(error))
     frame = frame_of(error)
     for name in re.findall(r"'(\w+)'", str(error)) if "dict_keys" in str(error) else ():
         if name not in _OF_PROFILE:
@@ -476,8 +476,12 @@ def constructor_hint(error: BaseException) -> str:
     if match is None or instance is None or not hasattr(type(instance), "get_fields_and_field_types"):
         return ""
     fields = list(instance.get_fields_and_field_types())
-    similar = near_names.near_field(match[1], fields)
-    kind = type(instance).__name__
+    kind, unknown = type(instance).__name__, match[1].split(", ")
+    found = [near_names.near_field(name, fields) for name in unknown]
+    if len(unknown) > 1 and all(found):
+        pairs = zip(found, unknown, strict=True)
+        return f"did you mean {join_words([f'`{field}` for {name}' for field, name in pairs])}?"
+    similar = found[0]
     return f"did you mean `{similar}`?" if similar else f"the fields of {kind} are {join_words(fields)}."
 
 

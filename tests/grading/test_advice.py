@@ -271,7 +271,7 @@ def test_hint_states_the_missing_node_whose_parameters_are_set() -> None:
 def test_after_an_exception_hints_on_missing_messages_are_omitted() -> None:
     advice = Advice()
     stopped = replace(
-        result(failing("nothing was published on an expected topic")), errors=("ValueError: x",)
+        result(failing("nothing was published on an expected topic")), errors=("ValueError: x (line 3: x())",)
     )
     messages = [advice.hint(TASK, stopped) for _ in range(2)]
     assert messages == [[f"Hint: {AFTER_AN_ERROR}"], [f"Hint: {AFTER_AN_ERROR}", "Hint 1 of 3: one"]]

@@ -417,9 +417,21 @@ def test_turn_about_another_axis_is_reported(evidence: MakeEvidence, cube: MakeC
     assert "turned about x instead" in expect_marker(TOPIC, yaw=1.0).judge(recorded).message
 
 
-def test_frame_with_a_slash_is_explained(evidence: MakeEvidence, cube: MakeCube) -> None:
-    recorded = evidence((1, TOPIC, cube(header__frame_id="/map")))
-    assert expect_marker(TOPIC, frame="map").judge(recorded).message.endswith(": a frame's name has no slash")
+@pytest.mark.parametrize(
+    ("frame", "end"),
+    [
+        ("/map", ": a frame's name has no slash"),
+        ("map/", ": a frame's name has no slash"),
+        (" map", ": there is a space too many"),
+        ("Map", ": upper and lower case differ"),
+        ("odom", "expected 'map'"),
+    ],
+)
+def test_difference_between_similar_frames_is_explained(
+    evidence: MakeEvidence, cube: MakeCube, frame: str, end: str
+) -> None:
+    recorded = evidence((1, TOPIC, cube(header__frame_id=frame)))
+    assert expect_marker(TOPIC, frame="map").judge(recorded).message.endswith(end)
 
 
 @pytest.mark.parametrize(

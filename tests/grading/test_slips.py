@@ -279,7 +279,11 @@ RIGHT = [
     ("for item in list(items):", "    items.remove(item)"),
     ("def walk(folder):", "    found = []", "    found += walk(folder[0])", "    return found"),
     ("def walk(folder, found):", "    found = found or []", "    walk(folder[0], found)", "    return found"),
-    ("marker = Marker()", "for item in items:", "    marker = Marker()", "    found.append(marker)"),
+    ("marker = Marker()", "for _ in items:", "    marker = Marker()", "    found.append(marker)"),
+    ("found = [Marker(id=n) for n in items]", "return [found[0] for n in range(3)]"),
+    ("for n in range(3):", "    self.create_timer(1.0, lambda n=n: self.lamp(n))"),
+    ("for n in items:", "    found.append(sorted(items, key=lambda item: item[n]))"),
+    ("self.create_timer(1.0, partial(self.lamp, 1))",),
     ("marker = Marker()", "for item in items:", "    marker.points.append(item)", "found.append(marker)"),
     ("found = sorted(items)", "return found"),
     ("marker = Marker()", "for item in items:", "    marker.id += 1", "self.p.publish(marker)"),
@@ -312,7 +316,7 @@ RIGHT = [
     ),
     ("marker.pose.position.z = 0.5", "self.p.publish(marker)", "marker.pose = Pose()"),
     ("marker.pose.position.z = 0.5", "marker = Marker()", "marker.pose = Pose()"),
-    ("color = ColorRGBA(r=1.0)", "for x in items:", "    marker.color = color"),
+    ("color = ColorRGBA(r=1.0)", "for _ in items:", "    marker.color = color"),
     (
         "color = ColorRGBA()",
         "for x in items:",
@@ -404,6 +408,22 @@ SLIPS += [
     (
         ("print('base_link', 'Base_link')",),
         "'base_link' and 'Base_link' are two names: ROS distinguishes upper and lower case.",
+    ),
+    (
+        ("for lamp in lamps:", "    self.publish(self.marker)"),
+        'The loop over "lamps" never uses lamp: should each pass do something with it?',
+    ),
+    (
+        ("return [math.radians(lifts[0]) for angle in lifts]",),
+        'The loop over "lifts" never uses angle',
+    ),
+    (
+        ("for n in range(3):", "    self.create_timer(1.0, lambda: self.lamp(n))"),
+        '"lambda: self.lamp(n)" reads n when it is called, after the loop',
+    ),
+    (
+        ("self.create_timer(1.0, self.lamp())",),
+        '"self.create_timer(1.0, self.lamp())" calls lamp now, and passes what it returns',
     ),
     (
         ("threading.Thread(target=self.paint).start()",),

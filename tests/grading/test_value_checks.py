@@ -102,6 +102,36 @@ def test_length_of_a_list_in_a_list_is_a_kind_of_its_own(evidence: MakeEvidence)
         ),
         ({}.items, 0.8, "the value is a builtin_function_or_method, expected a number: are its ( ) missing?"),
         ((x for x in [1.0]), [1.0], "the value is a generator, expected a list of 1: put it into list( )"),
+        (
+            {1.0, 2.0},
+            [1.0, 2.0],
+            "the value is a set, expected a list of 2: a set has no order, write [ ] instead of { }",
+        ),
+        (
+            {"x": 1.0},
+            [1.0],
+            "the value is {'x': 1.0}, expected a list of 1: return the values alone, in order and "
+            "without their names",
+        ),
+        (
+            "1, 2",
+            [1, 2],
+            "the value is '1, 2', expected a list of 2: return the values themselves, not a string of them",
+        ),
+        (
+            [1.0],
+            1.0,
+            "the value is [1.0], expected a number: take it out of its list, or call .ravel() on a "
+            "column of numpy",
+        ),
+        (
+            [1.0, 0.0],
+            1.0,
+            "the value is [1.0, 0.0], expected a number: is a matrix multiplied with * instead of @?",
+        ),
+        (1.116, 1.11603, "the value is 1.116 m, expected 1.11603 m: rounded to 3 digits"),
+        (0.1, 0.1499, "the value is 0.10 m, expected 0.15 m: 0.0499 m too little"),
+        (1.11599, 1.11603, "the value is 1.11599 m, expected 1.11603 m: 0.00 m too little"),
         (float("nan"), 0.8, "the value is nan m, expected 0.80 m"),
         (True, 1.0, "the value is True, expected a number"),
         (1, True, "the value is 1, expected True"),
@@ -136,7 +166,11 @@ def test_different_values_fail_with_the_difference(
 @pytest.mark.parametrize(
     ("value", "message"),
     [
-        ([[0.2], "red"], "the color of a bar is 'red', expected a list of 2"),
+        (
+            [[0.2], "red"],
+            "the color of a bar is 'red', expected a list of 2: return the values "
+            "themselves, not a string of them",
+        ),
         ([[0.3], [0.0, 1.0]], "[0] of the size of a bar is 0.30, expected 0.20: 0.1000 too much"),
         ([[0.2]], "a bar has 1 item, expected 2: [[0.2]]"),
         (0.2, "a bar is 0.2, expected a list of 2"),

@@ -220,9 +220,13 @@ def received_messages(evidence: Evidence, topic: str, *types: str) -> list[tuple
     raise Problem(f"{topic} carries {actual_type}, expected {expected}", "a topic has the wrong message type")
 
 
-def slash_hint(frame: str) -> str:
-    """Return the end of a message about a frame name with a leading slash, as in ROS 1, or ""."""
-    return ": a frame's name has no slash" if frame.startswith("/") else ""
+def name_hint(frame: str, expected: str) -> str:
+    """Return the end of a message about a frame that has nearly the expected name, or ""."""
+    if frame.startswith("/") or frame.strip("/") == expected:
+        return ": a frame's name has no slash"
+    if frame.strip() == expected:
+        return ": there is a space too many"
+    return ": upper and lower case differ" if frame.lower() == expected.lower() else ""
 
 
 def silent_topic_problem(evidence: Evidence, topic: str) -> Problem:

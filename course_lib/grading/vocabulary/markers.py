@@ -40,8 +40,8 @@ from course_lib.grading.vocabulary.check_function import (
     format_number,
     format_numbers,
     is_close,
+    name_hint,
     silent_topic_problem,
-    slash_hint,
     yaw_of,
 )
 from course_lib.ros.messages import type_name
@@ -630,7 +630,7 @@ def _compare_type(marker: Any, expected: str, _: float) -> Iterator[str]:
 def _compare_frame(marker: Any, expected: str, _: float) -> Iterator[str]:
     frame = marker.header.frame_id
     if frame != expected:
-        yield f" is in frame {frame!r}, expected {expected!r}{slash_hint(frame)}"
+        yield f" is in frame {frame!r}, expected {expected!r}{name_hint(frame, expected)}"
 
 
 def _compare_position(marker: Any, expected: Sequence[float], tolerance: float) -> Iterator[str]:

@@ -19,8 +19,8 @@ from course_lib.grading.vocabulary.check_function import (
     check_function,
     format_number,
     is_close,
+    name_hint,
     received_messages,
-    slash_hint,
 )
 from course_lib.grading.vocabulary.markers import ADD, bound_marker, iter_markers
 from course_lib.grading.vocabulary.values import compare
@@ -277,7 +277,7 @@ def expect_frame(evidence: Evidence, topic: str, frame: str) -> Iterable[Problem
         if message.header.frame_id != frame:
             noun = type_name(message).split("/")[-1]
             problem = f"a {noun} on {topic} is in frame {message.header.frame_id!r}, expected {frame!r}"
-            problem += slash_hint(message.header.frame_id)
+            problem += name_hint(message.header.frame_id, frame)
             return [Problem(problem, "the frame of a message is wrong")]
     return []
 

@@ -19,6 +19,13 @@ from course_lib.grading.vocabulary.check_function import (
 from course_lib.ros.programs.parameter_yaml import read_text
 
 WRONG, WRONG_KIND = "a value is wrong", "a value is of the wrong kind"
+# What to change in a value that is not a list, by a pattern of its repr.
+_REMEDIES = [
+    (r" generator'}$", ": put it into list( )"),
+    (r"^{'object': 'a (frozen)?set'}$", ": a set has no order, write [ ] instead of { }"),
+    (r"^{(?!'object': )", ": return the values alone, in order and without their names"),
+    (r"^['\"]", ": return the values themselves, not a string of them"),
+]
 WRONG_ORDER, NOT_CALLED = "values are in the wrong order", "a value is a function that is not called"
 NESTED_LENGTH = "a list in a list has the wrong length"
 OTHER_UNIT = "a value is in another unit"
@@ -161,7 +168,7 @@ def compare(
             yield from _compare_lists(value, expected, tolerance, unit, name, axes)
         case list(), _:
             expected_text = f"a list of {len(expected)}" if expected else "an empty list"
-            remedy = ": put it into list( )" if actual.endswith(" generator") else ""
+            remedy = next((text for kind, text in _REMEDIES if re.search(kind, repr(value))), "")
             yield Problem(f"{actual}, expected {expected_text}{remedy}", WRONG_KIND)
         case dict(), {"object": str(kind)} if len(value) == 1 and "object" not in expected:
             yield Problem(f"{name} is {kind}, expected a dict", WRONG_KIND)
@@ -182,6 +189,10 @@ def compare(
                 yield Problem(f"{actual}, expected {expected!r}", WRONG)
         case _, {"object": str(kind)} if kind.endswith(("method", "function")):
             yield Problem(f"{actual}, expected a number: are its ( ) missing?", NOT_CALLED)
+        case _, [int() | float(), *more]:
+            column = "take it out of its list, or call .ravel() on a column of numpy"
+            remedy = "is a matrix multiplied with * instead of @?" if more else column
+            yield Problem(f"{actual}, expected a number: {remedy}", WRONG_KIND)
         case _, (bool() | str() | None | list() | dict()):
             yield Problem(f"{actual}, expected a number", WRONG_KIND)
         case _ if not is_close(value, expected, tolerance):
@@ -284,7 +295,11 @@ def _number_problem(value: float, expected: float, unit: str, name: str) -> Prob
         relation = "too much" if value > expected else "too little"
         offset = f"{abs(value - expected)} {relation}"
         return Problem(f"{name} is {value}, expected {expected}: {offset}", WRONG)
-    actual = f"{name} is {format_number(value, unit)}, expected {format_number(expected, unit)}"
+    texts = [format_number(value, unit), format_number(expected, unit)]
+    if texts[0] == texts[1]:
+        # The difference is smaller than the last decimal that is usually displayed.
+        texts = [f"{number:.6g}{unit and ' ' + unit}" for number in (value, expected)]
+    actual = f"{name} is {texts[0]}, expected {texts[1]}"
     if not math.isfinite(value):
         return Problem(actual, "a value is not a finite number")
     if unit == "rad" and abs(expected) > 1e-3 and math.isclose(math.radians(value), expected, rel_tol=1e-3):
@@ -296,6 +311,9 @@ def _number_problem(value: float, expected: float, unit: str, name: str) -> Prob
             return Problem(f"{actual}: {factor} times too much", OTHER_UNIT)
         if math.isclose(value * factor, expected, rel_tol=1e-3):
             return Problem(f"{actual}: {factor} times too little", OTHER_UNIT)
+    for digits in (1, 2, 3) if math.isclose(value, expected, rel_tol=0.01) else ():
+        if value == round(expected, digits):
+            return Problem(f"{actual}: rounded to {format_count(digits, 'digit')}", "a value is rounded")
     offset = f"{actual}: {describe_offset(value, expected, 'too much', 'too little', unit)}"
     # A small whole number is more often computed than rounded.
     if (
