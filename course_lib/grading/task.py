@@ -35,6 +35,8 @@ KINDS: tuple[str, ...] = get_args(Kind)
 ON_A_GRAPH = ("node", "launch")  # kinds whose nodes run until the scenario ends
 HINTS = 3  # number of hints of a task, shown one by one after the hint for the mistake
 LONGEST = 3600.0  # [s] maximum robot time
+MAX_SEED = 2**32 - 1  # of NumPy
+_TOPIC = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 _WEEK_FOLDER = re.compile(rf"{ASSETS}/(week\d\d)/")
 
 
@@ -138,13 +140,18 @@ class Scenario:
     checks: tuple[Check, ...] = ()
 
     def __post_init__(self) -> None:
-        _require(self.name != "", "a scenario needs a name")
+        is_named = isinstance(self.name, str) and self.name != ""
+        _require(is_named, f"the name of a scenario: {self.name!r}, expected a string that is not empty")
+        is_seed = isinstance(self.seed, int) and 0 <= self.seed <= MAX_SEED
+        _require(is_seed, f"seed={self.seed!r}, expected an integer from 0 to {MAX_SEED}")
         _require_number("seconds", self.seconds)
         expected = f"expected more than 0 and at most {LONGEST:g}"
         _require(0 < self.seconds <= LONGEST, f"seconds={self.seconds:g}: {expected}")
         for name, item_type in {"inputs": Message, "calls": Call, "checks": Check}.items():
             _require_tuple(name, getattr(self, name), item_type)
         for message in self.inputs:
+            expected = "expected a full name of letters, digits and _, like '/goal_pose'"
+            _require(_TOPIC.fullmatch(str(message.topic)), f"an input on {message.topic!r}, {expected}")
             _require_number(f"the `at` of an input on {message.topic}", message.at)
         _require(
             all(0 <= m.at <= self.seconds for m in self.inputs), "an input's `at` is outside the scenario"

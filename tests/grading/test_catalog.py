@@ -99,6 +99,18 @@ MALFORMED = {
         ('unit="m"', 'unit="m", call=-1', "expect_value: call=-1, expected the index of"),
         ("color=(1, 0, 0)", "at='1'", "line 11: expect_marker: at='1', expected a number"),
         ("seconds=3.0", "seconds='3'", "line 9: seconds: '3', expected a number of seconds"),
+        ('"public", seconds', "3, seconds", "line 9: the name of a scenario: 3, expected a string"),
+        (
+            "seconds=3.0",
+            "seconds=3.0, seed='a'",
+            "line 9: seed='a', expected an integer from 0 to 4294967295",
+        ),
+        ("seconds=3.0", "seconds=3.0, seed=10**30", "expected an integer from 0 to 4294967295"),
+        (
+            "seconds=3.0",
+            "seconds=3.0, inputs=(Message('goal', 'std_msgs/msg/Int32', {}),)",
+            "line 9: an input on 'goal', expected a full name of letters, digits and _, like '/goal_pose'",
+        ),
         ("expect_text,", "expect_txt,", "line 3: ImportError: cannot import name 'expect_txt'"),
     ],
     "exercises/mistakes/week01.toml": [

@@ -8,13 +8,14 @@ from textwrap import dedent
 import pytest
 
 from course_lib.course.course_file import Limits
+from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.launch import JailEnvironment, TemplateProcess, WorkerError, is_usable
 from course_lib.grading.jail.template import enter_jail
 from course_lib.grading.run import worker
 from course_lib.grading.run.scenario import ALL
 from course_lib.grading.run.submission_run import SubmissionRun
-from course_lib.grading.task import Call, Scenario, Task
+from course_lib.grading.task import Call, Message, Scenario, Task, my
 from course_lib.ros.time.interrupts import Watch
 
 HINTS = ("one", "two", "three")
@@ -69,6 +70,21 @@ answer = sorted(name for name in names - dis.opmap.keys() if not name.endswith("
 """
     evidence, _ = run(code)
     assert evidence.returns[0]
+
+
+@pytest.mark.parametrize(
+    ("scenario", "message"),
+    [
+        (Scenario("later", inputs=(Message("/x", "std_msgs/msg/Int33", {}),)), "No message type 'std_msgs"),
+        (Scenario("later", calls=(Call(my("height")),)), r"my\('height'\) is not in the task's personal"),
+    ],
+)
+def test_invalid_input_or_call_is_reported_with_its_task_and_scenario(
+    scenario: Scenario, message: str
+) -> None:
+    place = "week01.called, scenario 'later' of its check file: "
+    with pytest.raises(CourseError, match=place + message):
+        run(task=replace(CALLED, scenarios=(scenario,)))
 
 
 def test_missing_object_is_reported() -> None:

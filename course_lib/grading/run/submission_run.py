@@ -19,6 +19,7 @@ from select import select
 from typing import Any
 
 from course_lib.course.course_file import Limits
+from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.filters import Excess, Usage, descendants
 from course_lib.grading.jail.launch import (
@@ -287,8 +288,13 @@ class SubmissionRun:
 
         Raises:
             WorkerError: No worker can be started.
+            CourseError: An input or a call of the scenario is invalid.
         """
-        stage = ScenarioGraph(task, scenario, self._personal[task.id], self._size_budget.remaining(task.id))
+        room = self._size_budget.remaining(task.id)
+        try:
+            stage = ScenarioGraph(task, scenario, self._personal[task.id], room)
+        except CourseError as error:
+            raise CourseError(f"{task.id}, scenario {scenario.name!r} of its check file: {error}") from error
         if task.id in self._hung_tasks:
             why = f"not run: {task.name} did not end in an earlier scenario, and was stopped"
             return stage.evidence(Outcome(errors=[why]), stopped="time")
