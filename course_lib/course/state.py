@@ -134,12 +134,14 @@ class LastCheck:
         passed: Whether all public checks passed and the task was not empty.
         cells: Digests of the cells that had been run before.
         student: The ID whose personal values were checked, "" for a guest; None if it is unknown.
+        replaced: Digests of those cells whose names later cells had defined again.
     """
 
     time: datetime
     passed: bool
     cells: frozenset[str] = frozenset()
     student: str | None = None
+    replaced: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -175,12 +177,21 @@ def cell_digest(text: str) -> str:
 
 
 def save_check(
-    state: State, task_id: str, *, passed: bool, cells: Iterable[str], student: str | None
+    state: State,
+    task_id: str,
+    *,
+    passed: bool,
+    cells: Iterable[str],
+    student: str | None,
+    replaced: Iterable[str] = (),
 ) -> None:
     """Store the time of a check, the student, and digests of these cells."""
     time = datetime.now(UTC).isoformat(timespec="seconds")
-    digests = sorted({cell_digest(cell) for cell in cells})
-    check = {"time": time, "passed": passed, "cells": digests, "student": student or ""}
+    digests = {
+        name: sorted({cell_digest(cell) for cell in some})
+        for name, some in {"cells": cells, "replaced": replaced}.items()
+    }
+    check = {"time": time, "passed": passed, "student": student or "", **digests}
     state.put(CHECKS, task_id, check)
 
 
@@ -190,8 +201,11 @@ def last_check(state: State, task_id: str) -> LastCheck | None:
         case {"time": str(time), "passed": bool(passed), "cells": list(cells), **others}:
             # Version 0.3 did not store the student.
             student = None if "student" not in others else str(others["student"])
+            stored = others.get("replaced")
+            replaced = frozenset(map(str, stored if isinstance(stored, list) else []))
             try:
-                return LastCheck(datetime.fromisoformat(time), passed, frozenset(map(str, cells)), student)
+                moment = datetime.fromisoformat(time)
+                return LastCheck(moment, passed, frozenset(map(str, cells)), student, replaced)
             except ValueError:
                 return None
     return None

@@ -22,7 +22,7 @@ from course_lib.grading.records import Run, TaskResult
 from course_lib.grading.reports.rendering import Table
 from course_lib.grading.run.outcome import printed_lines
 from course_lib.grading.run.scenario import WALL_LIMIT, run_in_this_process
-from course_lib.grading.submissions.notebook import NOT_SUBMITTED
+from course_lib.grading.submissions.notebook import NOT_SUBMITTED, CodeCell
 from course_lib.grading.task import Catalog, Task, shipped_catalog
 from course_lib.host import in_notebook
 from course_lib.tools.resume import resumed_sources
@@ -122,7 +122,13 @@ def save_progress(task: Task, result: TaskResult, cells: Sequence[str], student:
     state = student_state()
     state.put("progress", task.id, {"score": result.score, "of": result.points})
     passed = result.passed and not result.is_untouched
-    save_check(state, task.id, passed=passed, cells=cells, student=student)
+    defined, current, replaced = set[str](), set[str](), set[str]()
+    for cell in reversed(cells):
+        names = CodeCell(0, cell, True).bindings
+        (replaced if names and names <= defined else current).add(cell)
+        defined |= names
+    replaced -= current
+    save_check(state, task.id, passed=passed, cells=cells, student=student, replaced=replaced)
 
 
 def next_step(catalog: Catalog, task: Task) -> str:

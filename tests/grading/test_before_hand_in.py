@@ -197,6 +197,22 @@ def test_notebook_saved_before_the_last_check_is_reported_as_outdated(
     assert "press Ctrl+S and submit again" in found[1]
 
 
+def test_saved_version_that_was_run_before_the_checked_one_is_reported(
+    write: Callable[..., Path], right: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cells = right.split("# next cell\n")
+    first, checked = f"{DEFINED}\n    return length", f"{DEFINED}\n    return length * 0.5"
+    history = [cells[NODE], first, "half(1.0)", checked]
+    shell = SimpleNamespace(history_manager=SimpleNamespace(input_hist_raw=history))
+    with monkeypatch.context() as kernel:
+        kernel.setattr("IPython.get_ipython", lambda: shell)
+        check("week01.half", lambda length: length * 0.5)
+    cells[HALF] = first
+    assert any(line.startswith("half has changed since its last check") for line in warned(write(cells)))
+    cells[HALF] = checked
+    assert not any(line.startswith("half") for line in warned(write(cells)))
+
+
 def test_last_check_in_the_future_is_reported_as_a_changed_clock(
     checked: list[str], write: Callable[..., Path], folder: Path
 ) -> None:

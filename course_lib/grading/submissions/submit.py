@@ -110,7 +110,8 @@ class NotebookReview:
         cell, last = self._own_cell(task), self._last_checks.get(task.id)
         if cell is None:
             return TaskState("missing", f"is missing: no cell defines {task.name}")
-        as_checked = last is not None and cell.digest in last.cells
+        # The saved file may contain a version that was run before the checked one.
+        as_checked = last is not None and cell.digest in last.cells - last.replaced
         student = self._identity or self._notebook.student or ""
         if task.personal and last is not None and last.student not in (None, student):
             whose = f"for the ID {last.student}" if last.student else "without an ID"
