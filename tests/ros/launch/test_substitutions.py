@@ -19,6 +19,7 @@ from launch.actions import (
 from launch.conditions import IfCondition, LaunchConfigurationEquals, LaunchConfigurationNotEquals
 from launch.entities import SomeSubstitutionsType as Some
 from launch.entities import SubstitutionFailure, text_of
+from launch.frontend import expose_substitution, grammar, parse_substitution
 from launch.substitutions import (
     AllSubstitution,
     AndSubstitution,
@@ -227,6 +228,11 @@ class Shout(Substitution):
         super().__init__()
         self.text = text
 
+    @classmethod
+    def parse(cls, data: list[list[Substitution]]) -> tuple[type["Shout"], dict[str, Any]]:
+        (text,) = data
+        return cls, {"text": perform_substitutions(LaunchContext(), text)}
+
     def perform(self, context: LaunchContext) -> str:
         return f"{self.text}!"
 
@@ -246,6 +252,16 @@ def test_custom_actions_and_substitutions_are_executed(context: LaunchContext) -
     Note(Shout("a"), condition=IfCondition("true")).visit(context)
     Note(Shout("b"), condition=IfCondition("false")).visit(context)
     assert Note.notes == ["a!"]
+
+
+@pytest.mark.parametrize("exposed", [Shout, Shout.parse])
+def test_exposed_substitutions_are_read_in_launch_files(
+    context: LaunchContext, monkeypatch: pytest.MonkeyPatch, exposed: Any
+) -> None:
+    # As moveit_configs_utils exposes its substitution xacro.
+    monkeypatch.setattr(grammar, "SUBSTITUTIONS", dict(grammar.SUBSTITUTIONS))
+    assert expose_substitution("shout")(exposed) is exposed
+    assert perform_substitutions(context, parse_substitution("$(shout a) $(shout 'b c')")) == "a! b c!"
 
 
 NAV = "amcl:\n  ros__parameters:\n    rate: 5.0\n    names: [a, b]\n    deep: {rate: 1}\nother: {x: 1}\n"

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NoReturn, TypeAlias
+from typing import Any, NoReturn, TypeAlias, cast
 
 from course_lib.errors import did_you_mean
 from course_lib.ros.programs.packages import NotAvailableError, not_found_reason
@@ -70,6 +70,25 @@ def parse_substitution(string_value: str) -> Parts:
     if reader.at < len(string_value):
         reader.fail("the end")
     return parts
+
+
+def expose_substitution(name: str) -> Callable[[Any], Any]:
+    """Return a decorator that registers a class, or a function that parses its arguments.
+
+    In launch files and parameter files that are read later, `$(name …)` is that substitution.
+    """
+
+    def register(exposed: Any) -> Any:
+        parse = exposed.parse if isinstance(exposed, type) else exposed
+
+        def make(*arguments: Parts) -> Substitution:
+            substitution, parameters = parse(list(arguments))
+            return cast(Substitution, substitution(**parameters))
+
+        SUBSTITUTIONS[name] = Form(make, 0, None)
+        return exposed
+
+    return register
 
 
 def unescape(text: str) -> str:
