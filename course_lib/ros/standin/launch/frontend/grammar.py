@@ -79,7 +79,7 @@ def expose_substitution(name: str) -> Callable[[Any], Any]:
     """
 
     def register(exposed: Any) -> Any:
-        parse = exposed.parse if isinstance(exposed, type) else exposed
+        parse = getattr(exposed, "parse", exposed)
 
         def make(*arguments: Parts) -> Substitution:
             substitution, parameters = parse(list(arguments))
