@@ -52,7 +52,7 @@ from rclpy.impl.graph_queries import (
 from rclpy.impl.implementation_singleton import NodeNameNonExistentError as NodeNameNonExistentError
 from rclpy.impl.implementation_singleton import RCLError
 from rclpy.impl.node_handle import GuardCondition, NodeHandle, NodesById, enter_graph, require_bool
-from rclpy.impl.parameter_store import On, ParameterStore, Post, Pre
+from rclpy.impl.parameter_store import On, ParameterStore, Post, Pre, find_rejection
 from rclpy.impl.rcutils_logger import RcutilsLogger, Rosout
 from rclpy.logging import get_logger
 from rclpy.parameter import Parameter
@@ -802,11 +802,14 @@ class Node:
         values = [self.get_parameter(name)]
         if alternative_value is not None:
             values.append(Parameter.from_parameter_msg(ParameterMsg(name=name, value=alternative_value)))
+        store, reason = self.__parameter_store, ""
         for parameter in values:
-            result = self.__parameter_store.change([parameter], {name: descriptor})
-            if result.successful:
+            reason = find_rejection(parameter, descriptor, is_declared=True, new_descriptor=True)
+            if not reason:
+                # As in rclpy, no callback is called and no event is published.
+                store.values[name], store.descriptors[name] = parameter, descriptor
                 return parameter.get_parameter_value()
-        raise InvalidParameterValueException(name, values[-1].value, result.reason)
+        raise InvalidParameterValueException(name, values[-1].value, reason)
 
     def has_parameter(self, name: str) -> bool:
         """Return whether a parameter is declared."""
@@ -836,17 +839,18 @@ class Node:
         length, values = len(start), self.__parameter_store.values
         return {name[length:]: value for name, value in values.items() if name.startswith(start)}
 
-    def get_parameter_type(self, name: str) -> int:
+    def get_parameter_type(self, name: str) -> int | Parameter.Type:
         """Return the number of a parameter's type.
 
-        As in rclpy it is an int, not a `Parameter.Type`.
+        As in rclpy it is an int, but `Parameter.Type.NOT_SET` if the parameter is not declared and
+        need not be.
         """
         if name in self.__parameter_store.values or not self.__allow_undeclared_parameters:
             self.describe_parameter(name)
             return int(self.__parameter_store.values[name].type_.value)
-        return Parameter.Type.NOT_SET.value
+        return Parameter.Type.NOT_SET
 
-    def get_parameter_types(self, names: Sequence[str]) -> list[int]:
+    def get_parameter_types(self, names: Sequence[str]) -> list[int | Parameter.Type]:
         """Return the type numbers of several parameters."""
         if not all(isinstance(name, str) for name in names):
             raise TypeError("All names must be instances of type str")

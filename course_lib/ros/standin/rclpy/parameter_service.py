@@ -62,7 +62,8 @@ class ParameterService:
                     values = node.get_parameters(request.names)
                     response.values = [parameter.get_parameter_value() for parameter in values]
                 case "get_parameter_types":
-                    response.types = node.get_parameter_types(request.names)
+                    types = node.get_parameter_types(request.names)
+                    response.types = [Parameter.Type(number).value for number in types]
                 case "list_parameters":
                     response.result = node.list_parameters(request.prefixes, request.depth)
                 case "set_parameters":

@@ -120,10 +120,11 @@ class ParameterStore:
                 return SetParametersResult(successful=False, reason=_EMPTIED)
         if not all(isinstance(parameter, Parameter) for parameter in parameters):
             raise TypeError(f"parameter must be instance of type '{Parameter!r}'")
-        undeclared = [parameter.name for parameter in parameters if parameter.name not in self.values]
-        if undeclared and not may_be_undeclared:
-            # rclpy intends to list all of them, but its generator is partly consumed by then.
-            raise ParameterNotDeclaredException(undeclared[1:])
+        # rclpy intends to list all of them, but `any` consumes its generator up to the first one. An
+        # empty name is accepted.
+        names = (parameter.name for parameter in parameters if parameter.name not in self.values)
+        if not may_be_undeclared and any(names):
+            raise ParameterNotDeclaredException(list(names))
         return self.change(parameters, {})
 
     def change(
@@ -138,7 +139,7 @@ class ParameterStore:
             descriptor = new.get(name) or self.descriptors.get(name)
             if descriptor is not None:
                 declared = name in self.values
-                reason = _rejection(parameter, descriptor, is_declared=declared, new_descriptor=bool(new))
+                reason = find_rejection(parameter, descriptor, is_declared=declared, new_descriptor=bool(new))
                 if reason:
                     return SetParametersResult(successful=False, reason=reason)
         for allows in self.on_set_callbacks:
@@ -215,7 +216,7 @@ def _declaration(name: str, *more: Any, namespace: str) -> tuple[str, Any, Param
     return name, value, descriptor
 
 
-def _rejection(
+def find_rejection(
     parameter: Parameter,
     descriptor: ParameterDescriptor,
     *,
