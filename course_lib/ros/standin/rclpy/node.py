@@ -839,7 +839,7 @@ class Node:
         length, values = len(start), self.__parameter_store.values
         return {name[length:]: value for name, value in values.items() if name.startswith(start)}
 
-    def get_parameter_type(self, name: str) -> int | Parameter.Type:
+    def get_parameter_type(self, name: str) -> int:
         """Return the number of a parameter's type.
 
         As in rclpy it is an int, but `Parameter.Type.NOT_SET` if the parameter is not declared and
@@ -848,9 +848,9 @@ class Node:
         if name in self.__parameter_store.values or not self.__allow_undeclared_parameters:
             self.describe_parameter(name)
             return int(self.__parameter_store.values[name].type_.value)
-        return Parameter.Type.NOT_SET
+        return Parameter.Type.NOT_SET  # type: ignore[return-value]  # as in rclpy
 
-    def get_parameter_types(self, names: Sequence[str]) -> list[int | Parameter.Type]:
+    def get_parameter_types(self, names: Sequence[str]) -> list[int]:
         """Return the type numbers of several parameters."""
         if not all(isinstance(name, str) for name in names):
             raise TypeError("All names must be instances of type str")
