@@ -1,4 +1,4 @@
-"""Tasks and scenarios as data, and the catalog of all tasks: course.toml and the weeks' check files."""
+"""Tasks and scenarios as data, and the catalog of all tasks: course.toml and the check files."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def my(name: str, *, times: float | None = None) -> Any:
 
 
 def resolve(value: Any, personal: Mapping[str, Any]) -> Any:
-    """Replace every `my(...)` by the student's personal value, including inside lists, tuples and dicts."""
+    """Replace each `my(...)` by the student's personal value, also inside lists, tuples and dicts."""
     if isinstance(value, My):
         if value.name not in personal:
             raise CourseError(f"my({value.name!r}) is not in the task's personal table: {sorted(personal)}")
@@ -141,7 +141,7 @@ class Scenario:
 
     def __post_init__(self) -> None:
         is_named = isinstance(self.name, str) and self.name != ""
-        _require(is_named, f"the name of a scenario: {self.name!r}, expected a string that is not empty")
+        _require(is_named, f"a scenario's name: {self.name!r}, expected a string that is not empty")
         is_seed = isinstance(self.seed, int) and 0 <= self.seed <= MAX_SEED
         _require(is_seed, f"seed={self.seed!r}, expected an integer from 0 to {MAX_SEED}")
         _require_number("seconds", self.seconds)
@@ -151,7 +151,8 @@ class Scenario:
             _require_tuple(name, getattr(self, name), item_type)
         for message in self.inputs:
             expected = "expected a full name of letters, digits and _, like '/goal_pose'"
-            _require(_TOPIC.fullmatch(str(message.topic)), f"an input on {message.topic!r}, {expected}")
+            is_full = _TOPIC.fullmatch(str(message.topic))
+            _require(is_full, f"an input on {message.topic!r}, {expected}")
             _require_number(f"the `at` of an input on {message.topic}", message.at)
         _require(
             all(0 <= m.at <= self.seconds for m in self.inputs), "an input's `at` is outside the scenario"
@@ -335,7 +336,8 @@ def load_catalog(exercises: Path, solutions: Path | None = None) -> Catalog:
     tasks: dict[str, Task] = {}
     hidden: dict[str, tuple[Scenario, ...]] = {}
     faults = {**_weeks_without_points(exercises, course), **course.faults}
-    for week in (week for week, settings in course.weeks.items() if settings.points):  # Week 0 has no tasks.
+    # Week 0 has no tasks.
+    for week in (week for week, settings in course.weeks.items() if settings.points):
         try:
             tasks_of_week = _load_week(exercises, course, week, is_limited=solutions is not None)
             hidden |= _load_hidden(solutions / "checks" / f"{week}.py", tasks_of_week) if solutions else {}
@@ -401,7 +403,13 @@ def _weeks_without_points(exercises: Path, course: CourseFile) -> dict[str, str]
     }
 
 
-def _load_week(exercises: Path, course: CourseFile, week: str, *, is_limited: bool) -> dict[str, Task]:
+def _load_week(
+    exercises: Path,
+    course: CourseFile,
+    week: str,
+    *,
+    is_limited: bool,
+) -> dict[str, Task]:
     """Return the public tasks of a week, including the course's hints for them."""
     settings = course.weeks[week]
     names = {f"{week}.{name}" for name in (*settings.points, *settings.bonus)}
@@ -502,7 +510,8 @@ def time_limit(seconds: float) -> Iterator[None]:
         # On Windows only a student's own code is checked, which needs no limit.
         yield
         return
-    handlers = [(number, signal.signal(number, ring)) for number in (signal.SIGPROF, signal.SIGALRM)]
+    numbers = (signal.SIGPROF, signal.SIGALRM)
+    handlers = [(number, signal.signal(number, ring)) for number in numbers]
     try:
         signal.setitimer(signal.ITIMER_PROF, seconds, AGAIN)
         signal.setitimer(signal.ITIMER_REAL, WAIT_SECONDS, WAIT_SECONDS)
@@ -539,8 +548,9 @@ def limit_course_code(seconds: float) -> Iterator[None]:
 
         old_limits = resource.getrlimit(resource.RLIMIT_AS)
         bytes_now = int(used.read_text().split()[0]) * resource.getpagesize()
-        limits = [bytes_now + COURSE_CODE_BYTES, *(n for n in old_limits if n != resource.RLIM_INFINITY)]
-        resource.setrlimit(resource.RLIMIT_AS, (min(limits), old_limits[1]))
+        finite = [limit for limit in old_limits if limit != resource.RLIM_INFINITY]
+        soft_limit = min([bytes_now + COURSE_CODE_BYTES, *finite])
+        resource.setrlimit(resource.RLIMIT_AS, (soft_limit, old_limits[1]))
     keyboard, sys.stdin = sys.stdin, StringIO()
     for name in calls:
         setattr(os, name, partial(reject, name))

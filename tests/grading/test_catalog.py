@@ -99,7 +99,7 @@ MALFORMED = {
         ('unit="m"', 'unit="m", call=-1', "expect_value: call=-1, expected the index of"),
         ("color=(1, 0, 0)", "at='1'", "line 11: expect_marker: at='1', expected a number"),
         ("seconds=3.0", "seconds='3'", "line 9: seconds: '3', expected a number of seconds"),
-        ('"public", seconds', "3, seconds", "line 9: the name of a scenario: 3, expected a string"),
+        ('"public", seconds', "3, seconds", "line 9: a scenario's name: 3, expected a string"),
         (
             "seconds=3.0",
             "seconds=3.0, seed='a'",

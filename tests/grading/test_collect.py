@@ -16,6 +16,7 @@ import pytest
 
 from course_lib.course.exercise import normalise
 from course_lib.errors import CourseError
+from course_lib.grading.reports.rendering import printable
 from course_lib.grading.submissions import archives
 from course_lib.grading.submissions.collect import Collection, collect
 from course_lib.grading.submissions.notebook import parse_notebook
@@ -178,6 +179,11 @@ def test_names_without_characters_in_the_locale_do_not_stop_collecting(
     assert done.stdout.count("_8_assignsubmission_file_/") == 1 + rejected
     assert done.stdout.count("names of files on this system lack its characters") == rejected
     assert (tmp_path / f"out/participant9/{NAME}").is_file()
+
+
+def test_lines_show_spaces_and_joiners_of_names_and_no_control_characters() -> None:
+    name = "\u5c71\u3000\u592a \u0639\u200c\u0631"
+    assert printable(f"{name}\u202e\x1b[31m\u200f") == f"{name}\ufffd\ufffd[31m\ufffd"
 
 
 @pytest.mark.parametrize("cell", ["4100001.0", "\u0664\u0661\u0660.0"])

@@ -146,9 +146,14 @@ def csv_of(columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:
     return text.getvalue().encode("utf-8", "replace")
 
 
+# No-break and ideographic spaces and joiners, as in Japanese and Persian names.
+INVISIBLE_IN_NAMES = "\u00a0\u202f\u3000\u200c\u200d"
+
+
 def printable(line: str) -> str:
     """Replace control characters and lone surrogates; a student's name may contain anything."""
-    return "".join(c if c.isprintable() else "�" for c in line.encode("utf-8", "replace").decode())
+    text = line.encode("utf-8", "replace").decode()
+    return "".join(c if c.isprintable() or c in INVISIBLE_IN_NAMES else "�" for c in text)
 
 
 @lru_cache(maxsize=1)

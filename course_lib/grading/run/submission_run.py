@@ -37,9 +37,12 @@ from course_lib.ros.time import wall
 
 MAX_EXTENSION = 9.0  # maximum extension of a limit, as a multiple of it
 MIN_EXTENSION = 0.1  # [s] minimum extension of a limit
-OWN_THREAD, ENDED = 0, -1  # placeholders for the ids of the calling thread, and of all ended threads
-CHILDREN_TIMES = slice(13, 15)  # times of ended children in /proc/PID/stat [ticks], counted after the name
-PROCESS_TIMES = slice(11, 15)  # times of the process, its ended threads and its ended children [ticks]
+# Placeholders for the ids of the calling thread, and of all ended threads.
+OWN_THREAD, ENDED = 0, -1
+# Times of ended children in /proc/PID/stat [ticks], counted after the name.
+CHILDREN_TIMES = slice(13, 15)
+# Times of the process, its ended threads and its ended children [ticks].
+PROCESS_TIMES = slice(11, 15)
 
 
 @dataclass(frozen=True)
@@ -294,7 +297,8 @@ class SubmissionRun:
         try:
             stage = ScenarioGraph(task, scenario, self._personal[task.id], room)
         except CourseError as error:
-            raise CourseError(f"{task.id}, scenario {scenario.name!r} of its check file: {error}") from error
+            place = f"{task.id}, scenario {scenario.name!r} of its check file"
+            raise CourseError(f"{place}: {error}") from error
         if task.id in self._hung_tasks:
             why = f"not run: {task.name} did not end in an earlier scenario, and was stopped"
             return stage.evidence(Outcome(errors=[why]), stopped="time")

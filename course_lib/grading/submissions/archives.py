@@ -369,8 +369,10 @@ def path_problem(parts: tuple[str, ...]) -> str:
             return "its path leads out of the folder"
         # Names of persons contain other invisible characters: joiners in Persian and Sinhala, wide
         # and no-break spaces, direction marks.
-        if hidden := next((c for c in part if unicodedata.category(c) in CONTROLS or c in BIDI_CONTROLS), ""):
-            return f"its name contains the invisible character U+{ord(hidden):04X}. Rename the file"
+        for character in part:
+            if unicodedata.category(character) in CONTROLS or character in BIDI_CONTROLS:
+                code = f"U+{ord(character):04X}"
+                return f"its name contains the invisible character {code}. Rename the file"
         if len(part.encode("utf-8", "replace")) > MAX_NAME:
             return f"its name is longer than {MAX_NAME} bytes"
     return ""
@@ -428,5 +430,4 @@ def _is_fine(name: str) -> bool:
     if not name.lower().endswith(WORKING_SUFFIXES):
         return False
     path = PurePosixPath(name)
-    inside = not path.is_absolute() and ".." not in path.parts and "\\" not in name and name.isprintable()
-    return inside and path.suffix != ""
+    return not path.is_absolute() and not path_problem(path.parts) and path.suffix != ""

@@ -26,7 +26,7 @@ NO_MARK = (
     "no ID in column {!r} of {}, like {!r}, has a mark for {}; gradebook.csv has IDs like {}. "
     "Pass another --id-column."
 )
-EXPORT_AGAIN = "A spreadsheet has changed this number: export the file again, and don't save it there"
+EXPORT_AGAIN = "A spreadsheet has changed this number: export the file again, don't save it there"
 KINDS = {
     "score": "scores before the late policy",
     "final": "marks after the late policy; turn off the platform's late policy",
@@ -82,10 +82,12 @@ def fill_lms(
         limit = max(max_points) if max_points else float(mark["max_score"])
         mark[mark_column] = str(min(float(mark[mark_column]), limit))
     unfilled = _fill(file, place, ids, marks, mark_column)
-    rows = [f"row {row + 1}, {file.text(row, id_place) or 'no ID'}: {why}" for row, why in unfilled.items()]
+    ids_by_row = {row: file.text(row, id_place) or "no ID" for row in unfilled}
+    rows = [f"row {row + 1}, {ids_by_row[row]}: {why}" for row, why in unfilled.items()]
     if ids.keys() <= unfilled.keys():
         if marks.keys() & ids.values():
-            raise CourseError(f"no mark was written into {lms.name}: {'; '.join(rows[:MOST_SHOWN])}")
+            reasons = "; ".join(rows[:MOST_SHOWN])
+            raise CourseError(f"no mark was written into {lms.name}: {reasons}")
         example = next(filter(None, ids.values()), "")
         raise CourseError(NO_MARK.format(id_column, lms.name, example, exercise, next(iter(marks))))
     comments = _comments(out, exercise) if comment_column else {}
@@ -100,8 +102,8 @@ def fill_lms(
             except UnicodeEncodeError as error:
                 raise CourseError(
                     f"{lms.name}, row {row + 1}: its encoding {file.encoding} lacks the character "
-                    f"{quoted[error.start]!r} of the comment. Export {lms.name} again as UTF-8, or open "
-                    "it in an editor and save it as UTF-8, then repeat the command"
+                    f"{quoted[error.start]!r} of the comment. Export {lms.name} again as UTF-8, or "
+                    "open it in an editor and save it as UTF-8, then repeat the command"
                 ) from error
             file.rows[row][comment_place] = f'"{quoted}"'
     write_atomically(target, file.to_bytes())
