@@ -49,8 +49,14 @@ from course_lib.grading.submissions.submission import (
 )
 
 # Errors of a path that the file system does not accept.
-BAD_PATHS = (errno.ENOTDIR, errno.EISDIR, errno.EEXIST)
-BAD_PATHS += (errno.ENAMETOOLONG, errno.EINVAL, errno.EILSEQ)
+BAD_PATHS = (
+    errno.ENOTDIR,
+    errno.EISDIR,
+    errno.EEXIST,
+    errno.ENAMETOOLONG,
+    errno.EINVAL,
+    errno.EILSEQ,
+)
 NO_SUCH_CHARACTERS = (
     "names of files on this system lack its characters. Set LC_ALL=C.UTF-8, and collect again"
 )
