@@ -5,8 +5,6 @@ They are read out of the folder that COURSE_SEEDS names; nothing of them is kept
 
 import os
 import re
-import subprocess
-import sys
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -16,6 +14,7 @@ import pytest
 from course_lib.recording import Recording, read_bag
 from course_lib.ros.graph.graph import START_NS
 from tests.programs import painting_robot
+from tests.warm import run_course
 
 SECONDS = 5.0  # [s] of robot time
 DOCUMENTS = (
@@ -61,9 +60,7 @@ def program(name: str) -> str:
 
 
 def run(bag: Path, *files: Path, seconds: float = SECONDS) -> Recording:
-    options = ["--seconds", f"{seconds}", "--bag", str(bag)]
-    command = [sys.executable, "-m", "course_lib", "run", *map(str, files), *options]
-    process = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    process = run_course("run", *files, "--seconds", f"{seconds}", "--bag", bag)
     # Programs that call rclpy.shutdown() after Ctrl+C end with this error on the real rclpy as
     # well.
     assert process.returncode == 0 or "rcl_shutdown already called" in process.stderr, process.stderr

@@ -11,6 +11,7 @@ import pytest
 
 from course_lib.third_party import read_bytes, read_text
 from tests.patience import PATIENCE
+from tests.warm import run_course
 
 READERS = (
     ("run", "pipe.py"),
@@ -31,14 +32,7 @@ def test_command_reports_a_named_pipe(arguments: Sequence[str], tmp_path: Path) 
     for name in arguments:
         if name.startswith("pipe"):
             os.mkfifo(tmp_path / name)
-    process = subprocess.run(
-        [sys.executable, "-m", "course_lib", *arguments],
-        cwd=tmp_path,
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-    )
+    process = run_course(*arguments, cwd=tmp_path)
     assert process.returncode
     assert "named pipe" in process.stdout + process.stderr
 
@@ -47,13 +41,7 @@ def test_command_reports_a_named_pipe(arguments: Sequence[str], tmp_path: Path) 
 def test_program_that_is_larger_than_the_memory_is_not_read(name: str, tmp_path: Path) -> None:
     with (tmp_path / name).open("wb") as file:
         file.truncate(2**40)
-    process = subprocess.run(
-        [sys.executable, "-m", "course_lib", "run", name],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-    )
+    process = run_course("run", name, cwd=tmp_path)
     assert process.returncode in (1, 2)
     assert "File too large" in process.stdout + process.stderr
 

@@ -6,7 +6,6 @@ import inspect
 import json
 import re
 import subprocess
-import sys
 from collections.abc import Iterable
 from enum import Enum
 from functools import cache
@@ -16,6 +15,7 @@ from typing import Any
 import pytest
 
 from tests.real_ros import differences
+from tests.warm import run_course
 
 HERE = Path(__file__).parent
 Names = dict[str, list[str]]
@@ -78,8 +78,7 @@ def frozen() -> Names:
 
 @cache
 def kits() -> Names:
-    command = [sys.executable, "-m", "course_lib", "run", str(HERE / "probes" / "names.py")]
-    process = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    process = run_course("run", HERE / "probes" / "names.py")
     assert process.returncode == 0, process.stderr
     return _parsed({"outcomes": json.loads(process.stdout)})
 
@@ -268,8 +267,7 @@ print("all")
 def _run(program: str, tmp_path: Path, *more: str) -> subprocess.CompletedProcess[str]:
     file = tmp_path / "program.py"
     file.write_text(program)
-    command = [sys.executable, "-m", "course_lib", "run", str(file), *more]
-    return subprocess.run(command, capture_output=True, text=True, timeout=60)
+    return run_course("run", file, *more)
 
 
 @pytest.mark.slow

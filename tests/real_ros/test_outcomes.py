@@ -6,7 +6,6 @@ every worker of a run collects all of them.
 
 import json
 import re
-import subprocess
 import sys
 from functools import cache
 from pathlib import Path
@@ -16,6 +15,7 @@ import pytest
 
 from tests.python_messages import without_python_version
 from tests.real_ros import differences
+from tests.warm import run_course
 
 HERE = Path(__file__).parent
 
@@ -33,10 +33,7 @@ def frozen_outcomes(file: str) -> dict[str, str]:
 
 @cache
 def _kits(file: str) -> dict[str, str]:
-    command = [sys.executable, "-m", "course_lib", "run", "--seconds", "600"]
-    process = subprocess.run(
-        [*command, str(HERE / "probes" / f"{file}.py")], capture_output=True, text=True, timeout=120
-    )
+    process = run_course("run", "--seconds", "600", HERE / "probes" / f"{file}.py")
     assert process.returncode == 0, process.stderr
     outcomes: dict[str, str] = json.loads(process.stdout)
     return outcomes

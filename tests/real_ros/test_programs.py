@@ -1,8 +1,6 @@
 """Whole programs at the end of a run, against frozen outcomes of the real rclpy after Ctrl+C."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +8,7 @@ import pytest
 
 from tests.real_ros.differences import ENDS_AS_ASKED
 from tests.real_ros.renew import outcome_of_program
+from tests.warm import run_course
 
 HERE = Path(__file__).parent
 FROZEN: dict[str, Any] = json.loads((HERE / "frozen" / "programs.json").read_text("utf-8"))["outcomes"]
@@ -17,8 +16,7 @@ FROZEN: dict[str, Any] = json.loads((HERE / "frozen" / "programs.json").read_tex
 
 def _run(name: str) -> tuple[dict[str, object], str]:
     file = HERE / "programs" / f"{name}.py"
-    command = [sys.executable, "-m", "course_lib", "run", "--seconds", "2", str(file)]
-    process = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    process = run_course("run", "--seconds", "2", file)
     return outcome_of_program(process.stdout, process.stderr, process.returncode), process.stderr
 
 

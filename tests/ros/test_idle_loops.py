@@ -15,8 +15,8 @@ from course_lib.ros.programs.process import make_shell
 from course_lib.ros.programs.program import run_files
 from course_lib.ros.time.time_lock import time_lock
 from course_lib.ros.time.virtual_time import BusyWaitTransformer
-from tests.patience import PATIENCE
 from tests.processes import Program
+from tests.warm import run_course
 
 NODE = """
 import threading
@@ -239,6 +239,5 @@ def test_loop_that_polls_the_graph_and_counts_iterations_ends_with_the_run(
 ) -> None:
     file = tmp_path / "poller.py"
     file.write_text(POLLING.format(call=call, start=start), encoding="utf-8")
-    command = [sys.executable, "-m", "course_lib", "run", "--seconds", "0.5", str(file)]
-    run = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    run = run_course("run", "--seconds", "0.5", file)
     assert run.returncode == 0, run.stderr

@@ -1,8 +1,6 @@
 """Malformed files of a workspace: errors contain the file and line, without frames of the kit."""
 
 import re
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,7 +14,7 @@ from course_lib.robots.urdf import find_slips, parse_urdf
 from course_lib.ros.messages.definitions import add_package
 from course_lib.ros.programs.build_files import executables_of, read_build_files
 from course_lib.viewer.drawables import load_mesh
-from tests.patience import PATIENCE
+from tests.warm import run_course
 
 XACRO = '<robot name="r" xmlns:xacro="http://wiki.ros.org/xacro">'
 JOINT = '<joint name="j" type="{}"><parent link="a"/><child link="b"/></joint>'
@@ -41,9 +39,7 @@ def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
 
 
 def errors_of(*words: str) -> str:
-    process = subprocess.run(
-        [sys.executable, "-m", "course_lib", *words], capture_output=True, text=True, timeout=PATIENCE
-    )
+    process = run_course(*words)
     assert process.returncode
     return process.stdout + process.stderr
 
@@ -285,9 +281,7 @@ def test_valid_constants_and_defaults_of_interface_files_are_accepted(write: Wri
     fields = 'string WORD=class\nbool flag true\nint32 x 08\nfloat64[] many [1, 2]\nstring s "a"\n'
     write("right_values_msgs/msg/A.msg", constants + fields)
     write("p.py", "from right_values_msgs.msg import A\nprint(A.LOWEST, A().flag, list(A().many))\n")
-    process = subprocess.run(
-        [sys.executable, "-m", "course_lib", "run", "p.py"], capture_output=True, text=True, timeout=PATIENCE
-    )
+    process = run_course("run", "p.py")
     assert (process.stdout, process.stderr) == ("-128 True [1.0, 2.0]\n", "")
 
 

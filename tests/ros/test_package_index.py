@@ -18,6 +18,7 @@ from course_lib.ros.programs.packages import find_package, not_found_reason, pac
 from course_lib.ros.programs.xacro_program import run_xacro
 from course_lib.tools.run import ros2_over
 from tests.patience import PATIENCE
+from tests.warm import run_course
 
 STL = bytes(80) + struct.pack("<I12fH", 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0)
 Make = Callable[..., Path]
@@ -54,9 +55,7 @@ def python(code: str) -> str:
 
 
 def course(*words: str | Path, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    """Run `course WORDS`, which is on the search path of activated environments only."""
-    command = [sys.executable, "-m", "course_lib", *words]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=PATIENCE)
+    return run_course(*words, cwd=cwd)
 
 
 @pytest.mark.parametrize("folder", ["arm", "repository/arm", "repository/group/deep/down/arm", "other_name"])

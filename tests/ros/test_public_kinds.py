@@ -6,6 +6,7 @@ A row is what a student has and types; tests of the rooms try the variants of ea
 
 import io
 import os
+import shlex
 import struct
 import subprocess
 import sys
@@ -14,6 +15,8 @@ from pathlib import Path
 
 import pytest
 from PIL import Image
+
+from tests.warm import run_course
 
 MANIFEST = "<package format='3'><name>{}</name><version>0.0.1</version></package>"
 XACRO = 'xmlns:xacro="http://wiki.ros.org/xacro"'
@@ -355,14 +358,14 @@ def test_public_pattern_has_the_outcome_of_ros(name: str, tmp_path: Path) -> Non
 
 def output_of(command: str, folder: Path) -> str:
     """Return the output of a command, with `course` and `python` of this environment."""
-    program, _, words = command.partition(" ")
-    start = [sys.executable, *(["-m", "course_lib"] if program == "course" else [])]
-    line = " ".join(f'"{word}"' for word in start)
+    environment = {"HOME": str(folder), "AMENT_PREFIX_PATH": "", "ROS_PACKAGE_PATH": ""}
+    program, *words = shlex.split(command)
+    if program == "course":
+        return run_course(*words, cwd=folder, env=environment, is_merged=True).stdout
     process = subprocess.run(
-        f"{line} {words}",
-        shell=True,
+        [sys.executable, *words],
         cwd=folder,
-        env=os.environ | {"HOME": str(folder), "AMENT_PREFIX_PATH": "", "ROS_PACKAGE_PATH": ""},
+        env=os.environ | environment,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

@@ -1,8 +1,6 @@
 """rosbag2_py: programs that write and read bags."""
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 from textwrap import dedent
 
@@ -14,7 +12,7 @@ from std_msgs.msg import String
 from course_lib.errors import CourseError
 from course_lib.recording import bag_info, read_bag
 from course_lib.ros.graph.topics import Qos
-from tests.patience import PATIENCE
+from tests.warm import run_course
 
 STRING = "std_msgs/msg/String"
 NO_CONVERSION = rosbag2_py.ConverterOptions("", "")
@@ -125,10 +123,8 @@ def test_programs_of_the_tutorial_record_a_bag_and_publish_it_again(tmp_path: Pa
     message = ""
     for name, text, seconds in (("recorder.py", RECORDER, "3.5"), ("reader.py", READER, "2")):
         (tmp_path / name).write_text(dedent(text))
-        words = [sys.executable, "-m", "course_lib", "run", name, "--seconds", seconds]
-        process = subprocess.run(
-            words, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=PATIENCE
-        )
+        process = run_course("run", name, "--seconds", seconds, cwd=tmp_path)
+        assert process.returncode == 0, process.stderr
         message += process.stdout
     assert message.splitlines() == ["heard hello"] * 3
     assert "Topic: chatter | Type: std_msgs/msg/String | Count: 3 |" in bag_info(tmp_path / "my_bag")

@@ -1,8 +1,6 @@
 """xacro itself is tested by its project; here it meets the kit's packages, launch files and robots."""
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -15,8 +13,8 @@ from course_lib.errors import CourseError
 from course_lib.robots import load_robot
 from course_lib.ros.graph.graph import Graph, use_graph
 from course_lib.tools.notebook import register
-from tests.patience import PATIENCE
 from tests.ros.launch.run import recorded
+from tests.warm import run_course
 
 XACRO = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"'
 ARM = f"""{XACRO} name="two_links">
@@ -148,11 +146,7 @@ def test_missing_package_is_reported_once(arm: Path) -> None:
 @pytest.mark.parametrize("file", ["missing.xacro", "empty.xacro"])
 def test_unreadable_xacro_file_is_an_error_without_a_traceback(file: str, tmp_path: Path) -> None:
     (tmp_path / "empty.xacro").touch()
-    process = subprocess.run(
-        [sys.executable, "-m", "course_lib", "ros2", "run", "xacro", "xacro", file],
-        cwd=tmp_path, capture_output=True, text=True,
-        timeout=PATIENCE,
-    )  # fmt: skip
+    process = run_course("ros2", "run", "xacro", "xacro", file, cwd=tmp_path)
     assert process.returncode
     assert "Traceback" not in process.stderr
     assert file in process.stderr
@@ -162,11 +156,7 @@ def test_unreadable_xacro_file_is_an_error_without_a_traceback(file: str, tmp_pa
 
 def test_program_that_expands_a_missing_xacro_file_gets_the_error_of_xacro(tmp_path: Path) -> None:
     (tmp_path / "program.py").write_text("import rclpy\nimport xacro\nxacro.process_file('missing.xacro')\n")
-    process = subprocess.run(
-        [sys.executable, "-m", "course_lib", "run", "program.py"],
-        cwd=tmp_path, capture_output=True, text=True,
-        timeout=PATIENCE,
-    )  # fmt: skip
+    process = run_course("run", "program.py", cwd=tmp_path)
     assert "XacroException: No such file or directory: ./missing.xacro" in process.stdout + process.stderr
 
 

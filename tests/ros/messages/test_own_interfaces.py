@@ -2,8 +2,6 @@
 
 import importlib
 import re
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +12,7 @@ from course_lib.errors import CourseError
 from course_lib.real.types import types_of
 from course_lib.ros.messages import deserialize, message_class, serialize
 from course_lib.ros.messages.definitions import add_package, type_names, typestore
+from tests.warm import run_course
 
 LIMIT = """# Of a joint
 uint8 SOFT=0
@@ -166,8 +165,7 @@ def test_program_imports_an_interface_package_in_its_folder(folder: Path) -> Non
     write(folder, Range_msg="float64 width")
     program = folder.parent / "program.py"
     program.write_text(f"from {folder.name}.msg import Range\nprint(Range(width=2.0))")
-    command = [sys.executable, "-m", "course_lib", "run", str(program)]
-    process = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    process = run_course("run", program)
     assert (process.stdout, process.stderr) == (f"{folder.name}.msg.Range(width=2.0)\n", "")
 
 
