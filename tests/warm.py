@@ -5,7 +5,6 @@ the start itself, of signals and of long-running commands start `python -m cours
 """
 
 import array
-import atexit
 import gc
 import json
 import os
@@ -20,9 +19,11 @@ from pathlib import Path
 from typing import Any
 
 from tests.patience import PATIENCE
+from tests.processes import Program
 
 # Of `course run`; a process that is started with another one restarts itself.
 HASH_SEED = "0"
+LIMIT_OF_A_SESSION = 24 * 3600.0  # [s]
 # What every program imports. ROS's own names can be imported only after the start of a run.
 PRELOADED = ("numpy.random", "course_lib.cli", "course_lib.recording", "course_lib.tools.run")
 # Read by the interpreter when it starts, so that a fork can't be given another one.
@@ -44,8 +45,9 @@ class _Parent:
         self._socket, its_socket = socket.socketpair()
         self._fixed = [os.environ.get(name) for name in FIXED]
         command = [sys.executable, "-P", str(Path(__file__)), str(its_socket.fileno())]
-        self._process = subprocess.Popen(
+        Program(
             command,
+            limit=LIMIT_OF_A_SESSION,
             cwd=Path(__file__).parents[1],
             env=os.environ | {"PYTHONHASHSEED": HASH_SEED},
             pass_fds=[its_socket.fileno()],
@@ -53,7 +55,6 @@ class _Parent:
             stdout=subprocess.DEVNULL,
         )
         its_socket.close()
-        atexit.register(self._process.kill)
 
     def run(self, request: dict[str, Any], streams: list[int], timeout: float) -> int:
         """Return the exit code of a command."""
@@ -164,7 +165,7 @@ def _become(request: dict[str, Any]) -> None:
 if __name__ == "__main__":
     for name in PRELOADED:
         import_module(name)
-    for name in ("tests", "tests.patience"):
+    for name in ("tests", "tests.patience", "tests.processes"):
         del sys.modules[name]
     gc.freeze()
     _become(_next_command(socket.socket(fileno=int(sys.argv[1]))))
