@@ -5,10 +5,11 @@ import re
 import sys
 from pathlib import Path
 from pkgutil import iter_modules
+from traceback import extract_tb
 
 from course_lib.ros import near_names
 from course_lib.ros.messages.definitions import FOLDERS, RENAMED
-from course_lib.ros.programs.packages import clone_instructions, skipped_folder_reason
+from course_lib.ros.programs.packages import clone_instructions, package_folder_of, skipped_folder_reason
 from course_lib.ros.student_code import public_attributes
 
 # Modules that ROS programs often use, by their names on PyPI.
@@ -220,6 +221,9 @@ def _imported_name(error: BaseException) -> str:
 def import_hint(error: ImportError) -> str:
     """Return a question with the name closest to one that cannot be imported, or ""."""
     if "relative import with no known parent package" in str(error):
+        file = Path(extract_tb(error.__traceback__)[-1].filename)
+        if package_folder_of(file) not in (None, file.resolve().parent):
+            return f"{file.parent.name} is no Python package: put an empty __init__.py next to {file.name}."
         return "a started file has no package: leave out the dot to import a file next to it."
     match = re.match(r"cannot import name '(\w+)' from '([\w.]+)'", str(error))
     if match is None:

@@ -272,6 +272,22 @@ def test_relative_import_in_a_file_started_by_its_path_has_a_hint(
     assert hint in capsys.readouterr().err
 
 
+def test_relative_import_in_a_folder_of_a_package_without_init_has_a_hint(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "arm" / "arm" / "node.py"
+    file.parent.mkdir(parents=True)
+    (tmp_path / "arm" / "package.xml").write_text("<package><name>arm</name></package>")
+    file.write_text("from .config import RATE\n")
+    (file.parent / "config.py").write_text("RATE = 2.0\n")
+    for code in (1, 0):
+        with use_graph(Graph(end_ns=START_NS + 10**9)):
+            assert run_files([file], seed=0) == code
+        (file.parent / "__init__.py").touch()
+    hint = "hint: arm is no Python package: put an empty __init__.py next to node.py."
+    assert hint in capsys.readouterr().err
+
+
 NODE = "from rclpy.node import Node\n\nclass Talker(Node):\n    pass\n\n"
 UNNAMED = """program.py ran nothing.
 hint: line 9 compares __name__ with "main", and Python names a started program "__main__". \
