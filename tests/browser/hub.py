@@ -27,6 +27,16 @@ NEEDED = ("jupyterhub", "jupyter_server_proxy", "nbgitpuller")
 LIGHT = "api/status"  # of a user's server: a page that costs nothing
 TOKEN = "token-of-the-tests"
 HURRIED = "grace"  # a user whose server ends kernels that were idle for 20 s, though their page is open
+# Run a module as `python -m` does, without what a server of `course lab` leaves out, too: grammars of
+# addresses, and yarn's settings. Both take two seconds of each hub and each user's server.
+QUICK = """
+import runpy, sys
+from course_lib.course.jupyterlab import skip_yarn
+name = sys.argv.pop(1)
+if name == "jupyterhub.singleuser":
+    skip_yarn()
+runpy.run_module(name, run_name="__main__", alter_sys=True)
+"""
 SETTINGS = """
 c = get_config()
 limits = ["cull_idle_timeout=20", "cull_interval=1", "cull_connected=True"]
@@ -42,7 +52,7 @@ c.JupyterHub.authenticator_class = "dummy"
 c.Authenticator.allow_all = True
 c.JupyterHub.spawner_class = "simple"
 c.SimpleLocalProcessSpawner.home_dir_template = {homes!r} + "/{{username}}"
-c.Spawner.cmd = [{python!r}, "-m", "jupyterhub.singleuser"]
+c.Spawner.cmd = [{python!r}, "-c", {quick!r}, "jupyterhub.singleuser"]
 c.Spawner.args = ["--allow-root", "--LabApp.expose_app_in_browser=True"]
 c.Spawner.start_timeout = c.Spawner.http_timeout = {patience}
 c.JupyterHub.services = [{{"name": "tests", "api_token": {token!r}}}]
@@ -101,9 +111,9 @@ def running_hub(browser: Browser, folder: Path) -> Iterator[Hub]:
     homes.mkdir()
     settings = folder / "jupyterhub_config.py"
     given = {"ports": ports, "proxy": shutil.which(PROXY), "homes": str(homes), "token": TOKEN}
-    given |= {"hurried": HURRIED}
+    given |= {"hurried": HURRIED, "quick": QUICK}
     settings.write_text(SETTINGS.format(**given, python=sys.executable, patience=round(PATIENCE)))
-    command = [sys.executable, "-m", "jupyterhub", "-f", str(settings)]
+    command = [sys.executable, "-c", QUICK, "jupyterhub", "-f", str(settings)]
     with open(folder / "hub.log", "wb") as log:
         process = Program(
             command, limit=LIMIT_OF_A_SERVER, cwd=folder, stdout=log, stderr=log, start_new_session=True
