@@ -284,7 +284,9 @@ class PerformanceReport:
 
     def _repr_html_(self) -> str:
         def line(kind: str, cells: Sequence[str]) -> str:
-            return f"<tr>{''.join(f'<{kind}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
+            # Long names wrap after a slash, so that the table fits beside a view.
+            texts = (escape(cell).replace("/", "/<wbr>") for cell in cells)
+            return f"<tr>{''.join(f'<{kind}>{text}</{kind}>' for text in texts)}</tr>"
 
         tables = "".join(
             f"<table><caption>{escape(title)}</caption>{line('th', heads)}"

@@ -183,6 +183,9 @@ def test_long_status_leaves_one_line_to_a_notice(bench: Bench) -> None:
     notice = bench.page.locator(".course-notice")
     assert notice.inner_text() == "Click and drag to set position and orientation."
     assert notice.evaluate("notice => notice.clientHeight") < 30  # [px]; a line has 20
+    bench.page.evaluate("document.querySelector('.course-viewer').style.width = '185px'")
+    lines = bench.page.locator(".course-lines")
+    assert lines.evaluate("line => line.scrollWidth <= line.clientWidth")
 
 
 @pytest.mark.slow
