@@ -1,7 +1,7 @@
 """ROS's robot_state_publisher, and joint_state_publisher with sliders for its joints."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import pi
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -61,6 +61,15 @@ class FreeJoint:
     is_continuous: bool = False
     # The direction in which the parameter `delta` moves it.
     moves_up: bool = True
+    # The newest slider, which follows the position.
+    slider: Any = field(default=None, repr=False, compare=False)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        super().__setattr__(name, value)
+        slider = self.slider if name == "position" and isinstance(value, (int, float)) else None
+        # Outside of its limits, a slider would replace the joint's position by the limit.
+        if slider is not None and slider.min <= value <= slider.max:
+            slider.value = value
 
 
 class JointStatePublisher(Node):
@@ -286,6 +295,7 @@ def _row(name: str, joint: FreeJoint, width: str) -> "HBox":
         layout={"width": "34em"},
     )
     slider.observe(lambda change: setattr(joint, "position", change["new"]), "value")
+    joint.slider = slider
     limits = ipywidgets.Label(f"{lower:.3f} … {upper:.3f} {joint.unit}", layout={"flex": "none"})
     return ipywidgets.HBox([slider, limits])
 

@@ -40,6 +40,16 @@ def test_slider_values_are_published(graph: Graph, page: None, on: Callable[[str
     assert list(on("/joint_states")[-1].position) == [0.0, 0.75]
 
 
+def test_sliders_follow_positions_that_are_set_by_code(graph: Graph, page: None) -> None:
+    node = JointStatePublisher(ARM_2R)
+    _, (elbow, _) = rows(joint_sliders(node))
+    node.joints["elbow"].position = -0.5
+    assert elbow.value == -0.5
+    beyond = elbow.max + 1.0
+    node.joints["elbow"].position = beyond
+    assert (elbow.value, node.joints["elbow"].position) == (-0.5, beyond)
+
+
 def test_center_button_resets_all_joints(graph: Graph, page: None) -> None:
     node = JointStatePublisher(ARM_2R, zeros={"elbow": 0.5})
     box = joint_sliders(node)

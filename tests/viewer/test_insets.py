@@ -56,6 +56,19 @@ def test_insets_are_inside_the_view_and_do_not_overlap(count: int) -> None:
         assert top + height <= below
 
 
+@pytest.mark.browser
+def test_name_of_the_display_is_written_into_its_picture() -> None:
+    if find_browser() is None:
+        pytest.skip("no Chromium or Chrome on this machine")
+    scene = Scene()
+    scene.set_object("displays/Image/picture", Inset(plain(BLUE)))
+    ((_, (left, top, width, height)),) = placed_insets(scene, SIZE)
+    drawn = pixels(scene, "chromium")[top : top + height, left : left + width]
+    letters = (drawn > 150).all(axis=2)
+    assert letters[:20].sum() > 20
+    assert letters[20:].sum() == 0
+
+
 def test_hidden_inset_frees_its_space() -> None:
     scene = Scene()
     scene.set_object("first", Inset(plain(RED)))

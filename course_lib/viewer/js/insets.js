@@ -55,7 +55,18 @@ export function drawInsets(context, mirror, quality, render) {
   const places = boxes(insets, context.canvas.width, context.canvas.height);
   insets.forEach((inset, i) => {
     const [left, top, width, height] = places[i];
-    if (!inset.camera) return context.drawImage(inset.picture, left, top, width, height);
+    const name = groups[i].parent.userData.path.split("/").at(-2);
+    const writeName = () => {
+      context.font = `${Math.max(11, width / 14)}px sans-serif`;
+      context.fillStyle = "#0008";
+      context.fillRect(left, top, context.measureText(name).width + 8, Math.max(16, width / 9));
+      context.fillStyle = "#fff";
+      context.fillText(name, left + 4, top + Math.max(12, width / 12));
+    };
+    if (!inset.camera) {
+      context.drawImage(inset.picture, left, top, width, height);
+      return writeName();
+    }
     // It does not depend on the view's own camera, which turns more often than the scene changes.
     const size = `${width} ${height}`;
     const state = `${mirror.version} ${quality.scale} ${quality.cell}`;
@@ -66,6 +77,7 @@ export function drawInsets(context, mirror, quality, render) {
       inset.cached = { canvas, size, state, at: performance.now() };
     }
     context.drawImage(inset.cached.canvas, left, top);
+    writeName();
   });
 }
 
