@@ -6,6 +6,7 @@ with those that the program published in the kit.
 """
 
 import re
+import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -33,6 +34,7 @@ from course_lib.ros.messages import deserialize, message_class, serialize, to_pl
 from course_lib.ros.programs import import_path
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.time import wall
+from course_lib.ros.time.interrupts import SIGNALED
 
 # One recording may begin later than the other by this number of messages, or by this time. On
 # a busy computer, the first hundreds of messages of a fast topic are missed.
@@ -399,6 +401,8 @@ class ScenarioOnRos:
         self.packages = programs.kit_packages()
         text, errors = (output.read_text(encoding="utf-8", errors="replace") for output in outputs)
         lines = [line for line in errors.splitlines() if line.strip()]
+        if code > SIGNALED:
+            lines = [f"It was ended by {signal.Signals(code - SIGNALED).name}, as errors in C and C++ do."]
         raised = (lines[-1] if lines else f"It ended with exit code {code}.",) if is_early and code else ()
         # As in the kit's evidence, which checks read.
         rejections = [

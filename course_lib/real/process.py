@@ -103,12 +103,16 @@ class RealProcesses:
         self._variables = clean_variables() | {
             "FASTDDS_DEFAULT_PROFILES_FILE": str(profiles),
             "FASTRTPS_DEFAULT_PROFILES_FILE": str(profiles),
+            # A crash in C or C++ code prints the lines of Python that called it.
+            "PYTHONFAULTHANDLER": "1",
             "PYTHONUNBUFFERED": "1",
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
             "ROS_DOMAIN_ID": str(self.domain),
             "ROS_LOG_DIR": str(folder),
         }
         self.processes: list[subprocess.Popen[bytes]] = []
+        # The programs' names by process id.
+        self._names: dict[int, str] = {}
         self.is_ending = False
 
     def start(
@@ -134,6 +138,7 @@ class RealProcesses:
                 start_new_session=True,
             )
             self.processes.append(process)
+            self._names[process.pid] = program.name
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, unblocked)
 
@@ -147,7 +152,14 @@ class RealProcesses:
         Args:
             advance: Called while the programs end, so that their last messages are recorded.
         """
-        self.is_ending = True
+        is_first_call, self.is_ending = not self.is_ending, True
+        crashed = [one for one in self.processes if (one.poll() or 0) < 0]
+        for one in crashed if is_first_call else ():
+            name, cause = self._names[one.pid], signal.Signals(-one.returncode)
+            self._report(
+                f"{name} was ended by {cause.name} ({signal.strsignal(cause)}), as errors in C and C++ "
+                f"do. If lines of Python are above, the first one of {name} contains the call."
+            )
         for number, seconds in SIGNALS:
             running = [process for process in self.processes if process.poll() is None]
             if running and number != signal.SIGINT:
@@ -196,7 +208,9 @@ def linked_graph(
     """
 
     def report_while_linked(line: str) -> None:
-        if graph.nodes() and not programs.is_ending and programs.are_running():
+        # A program leaves the network a moment before it ends.
+        is_up = graph.nodes() and graph.link.is_up()
+        if is_up and not programs.is_ending and programs.are_running():
             report(line)
 
     for name in WARM_TYPES:

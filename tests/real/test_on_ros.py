@@ -175,6 +175,35 @@ def test_crash_shows_only_the_program_traceback_and_its_exit_code(tmp_path: Path
     assert "Nothing was published." in done.stderr
 
 
+CRASHING = """
+import ctypes, rclpy
+rclpy.init()
+node = rclpy.create_node("crashing")
+def read_null():
+    ctypes.string_at(0)
+node.create_timer(0.1, read_null)
+rclpy.spin(node)
+"""
+
+
+def test_crash_in_c_code_is_reported_with_the_line_of_python(tmp_path: Path) -> None:
+    program = tmp_path / "crashing.py"
+    program.write_text(CRASHING)
+    done = _course("run", program, "--ros", "--seconds", 5)
+    assert done.returncode == 128 + signal.SIGSEGV
+    assert f'{program}", line 6 in read_null' in done.stderr
+    assert "crashing.py was ended by SIGSEGV (Segmentation fault)" in done.stderr
+
+
+def test_end_of_a_program_is_not_reported_as_a_lost_link(tmp_path: Path) -> None:
+    program = tmp_path / "brief.py"
+    ends = "rclpy.spin_once(node, timeout_sec=1.0)\nrclpy.shutdown()\ntime.sleep(1.0)\n"
+    program.write_text(f"import rclpy, time\nrclpy.init()\nnode = rclpy.create_node('brief')\n{ends}")
+    done = _course("run", program, "--ros")
+    assert done.returncode == 0
+    assert "is lost" not in done.stderr
+
+
 STUBBORN = """
 import os, time, rclpy
 rclpy.init()
