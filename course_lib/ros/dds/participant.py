@@ -52,6 +52,8 @@ HANDOVER_SECONDS = 0.005
 # Limit on datagrams read in one go before timers are checked.
 MAX_DATAGRAMS = 64
 SOCKET_BUFFER = 2**23  # [B]
+# Size of a datagram after which the thread that sends yields the processor [B].
+LARGE_DATAGRAM = 2**14
 DISCOVERY_QOS = Qos(history="keep_all", durability="transient_local")
 # Errors that malformed datagrams raise.
 MALFORMED = (struct.error, IndexError, ValueError, MemoryError)
@@ -230,6 +232,10 @@ class Participant:
             # protocol resends it.
             with contextlib.suppress(OSError):
                 self._socket.sendto(datagram, address)
+            if len(datagram) > LARGE_DATAGRAM:
+                # Linux keeps about four large datagrams for a receiver on the same computer, and
+                # drops further ones. A busy computer lets it run only if this thread yields.
+                wall.sleep(0.0)
 
     # Discovery of participants.
 

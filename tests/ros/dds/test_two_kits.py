@@ -450,6 +450,20 @@ def resident_bytes() -> int:
     return pages * os.sysconf("SC_PAGE_SIZE")
 
 
+def test_sender_yields_after_each_large_datagram(kits: DdsKits, monkeypatch: pytest.MonkeyPatch) -> None:
+    robot, student = kits.join(send="/chatter"), kits.join()
+    received = listener(student, "/chatter")
+    out = talker(robot, "/chatter")
+    connect(kits, robot, out, received, String(data="first"))
+    yields: list[float] = []
+    monkeypatch.setattr(wall, "sleep", yields.append)
+    say(robot, out, "x" * (2 * FRAGMENT_SIZE))
+    # The message and its header need three datagrams, of which the last one is small.
+    assert yields.count(0.0) == 2
+    monkeypatch.undo()
+    kits.until(lambda: len(texts(received)[-1]) == 2 * FRAGMENT_SIZE, "the large message")
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is read from Linux's /proc")
 def test_memory_use_stays_constant_during_an_image_flood_to_a_busy_kit(kits: DdsKits) -> None:
