@@ -47,6 +47,8 @@ BETTER = "Better: this is worth more points than before."
 _SNIPPET = re.compile(r"`([^`]+)`")
 # Messages that RViz2 displays with its default Reliable, and that sensors do not publish.
 RELIABLE_TYPES = ("visualization_msgs/msg/", "nav_msgs/msg/", "geometry_msgs/msg/", "vision_msgs/msg/")
+# Messages that the controllers of ros2_control subscribe to as Reliable.
+COMMAND_TYPES = ("trajectory_msgs/msg/",)
 SILENT = "nothing was published on an expected topic"
 AFTER_AN_ERROR = (
     "Your code stopped with the error above. Fix that line first: the failed checks follow from it."
@@ -120,6 +122,7 @@ class Advice:
             lines = [FILL_IN]
         elif task.scenarios and not result.passed:
             hints = self.hint(task, result, source, caught)
+            incompatible = incompatible_policy_hint(evidence)
             # A mistake in the code that a handler of the student hides.
             hidden = caught.mistake if caught is not None else ""
             causes = (
@@ -127,7 +130,7 @@ class Advice:
                 or parameter_order_hint(task, source)
                 or missing_return_hint(task, evidence, source)
                 or wrong_type_hint(evidence)
-                or incompatible_policy_hint(evidence)
+                or (bool(incompatible) and (_policy_as_depth(source) or incompatible))
                 or missing_node_hint(evidence, source)
                 or [*nan_hint(evidence), *hints]
             )
@@ -136,7 +139,8 @@ class Advice:
             lines = [*lines, NO_ID.format(first_lesson())]
         lines += large_message_hint(evidence)
         lines += best_effort_hint(evidence)
-        return [*lines, *(wall_clock_hint(source) if result.passed else [])]
+        remarks = (wall_clock_hint, _policy_as_depth, _fixed_frame_slash) if result.passed else ()
+        return [*lines, *(line for remark in remarks for line in remark(source))]
 
     def hint(
         self,
@@ -173,7 +177,7 @@ class Advice:
         if too_much:
             texts = [TOO_MUCH]
         elif result.errors:
-            texts = [AFTER_AN_ERROR if has_line else "The error above is the cause, so begin with it."]
+            texts = [AFTER_AN_ERROR if has_line else "The error above is the cause: begin with it."]
         elif causes[:1] == [SILENT]:
             hidden = caught.other if caught is not None else ""
             own = _missing_call(code, result) or hidden or find_hidden_error(source)
@@ -359,8 +363,8 @@ def _missing_call(code: Code, result: TaskResult) -> str:
     for other in (", ".join(others)).split(", ") if code.mentions_topic(topic) else ():
         if other.endswith(topic):
             return (
-                f"{topic.strip('/')!r} without a slash in front is a name inside the node's namespace, "
-                f"here {other}: write {topic!r}, or leave out the namespace."
+                f"{topic.strip('/')!r} without a slash in front is a name inside the node's "
+                f"namespace, here {other}: write {topic!r}, or leave out the namespace."
             )
     if code.has_call("create_publisher") and not code.mentions_topic(topic) and code.has_call("publish"):
         return f"No string in your code is {topic}: compare the name in create_publisher letter by letter."
@@ -499,13 +503,15 @@ def parameter_order_hint(task: Task, source: str) -> list[str]:
     given = _released_parameters(task.week, task.name)
     tree = parse(source)
     for node in getattr(tree, "body", ()):
-        if isinstance(node, ast.ClassDef) and node.name == task.name in given and task.kind == "function":
+        is_class = isinstance(node, ast.ClassDef) and task.kind == "function"
+        if is_class and getattr(node, "name", "") == task.name in given:
             return [
                 f"Hint: {task.name} is a class here, and the task asks for a function: write "
                 f"def {task.name}({', '.join(given[task.name])})."
             ]
         is_node = task.kind == "node" and getattr(node, "name", "") == task.name
-        if is_node and isinstance(node, Function) and not any(one.value for one in own_returns(node)):
+        returned = any(one.value for one in own_returns(node))
+        if is_node and isinstance(node, Function) and not returned:
             return [
                 f"Hint: {task.name} is a function here that returns no node: write class "
                 f"{task.name}(Node), with def __init__(self) and the callback in it."
@@ -636,10 +642,13 @@ def best_effort_hint(evidence: Iterable[Evidence]) -> list[str]:
     Images and scans are often best effort, so that tasks with sensors intend it.
     """
     for sample in (sample for record in evidence for sample in record.samples):
-        if sample.qos.reliability == "best_effort" and sample.type_name.startswith(RELIABLE_TYPES):
+        is_command = sample.type_name.startswith(COMMAND_TYPES)
+        is_relevant = is_command or sample.type_name.startswith(RELIABLE_TYPES)
+        if sample.qos.reliability == "best_effort" and is_relevant:
+            receivers = "controllers" if is_command else "the displays of RViz2"
             return [
                 f"Here the checks accept that {sample.topic} is published with Best Effort. On ROS "
-                "2, the displays of RViz2 request Reliable and would receive nothing: pass a "
+                f"2, {receivers} request Reliable and would receive nothing: pass a "
                 "number like 10 as the last argument of create_publisher."
             ]
     return []
@@ -665,21 +674,38 @@ def wall_clock_hint(source: str) -> list[str]:
                     f"Here the checks accept {called}(), but with a simulation or a bag "
                     "it is another time than self.get_clock().now()."
                 ]
-            depth = re.search(r"\b(Reliability|Durability|History|Liveliness)Policy\.\w+$", _depth(node))
-            if depth:
-                return [
-                    f"{_depth(node)} is a number, which ROS takes as the queue depth: to set a policy, "
-                    f"pass QoSProfile(depth=10, {depth[1].lower()}={depth[0]})."
-                ]
     return []
 
 
-def _depth(node: ast.AST) -> str:
-    """Return the last argument of a call that creates a publisher or subscription, or ""."""
-    match node:
-        case ast.Call(func=ast.Attribute(attr="create_publisher" | "create_subscription"), args=[*_, last]):
-            return ast.unparse(last)
-    return ""
+def _policy_as_depth(source: str) -> list[str]:
+    """Return a sentence about a policy that is passed where the queue depth belongs, or []."""
+    for node in ast.walk(parse(source)):
+        match node:
+            case ast.Call(
+                func=ast.Attribute(attr="create_publisher" | "create_subscription"), args=[*_, last]
+            ):
+                policy = re.search(r"\b([A-Z]\w+)Policy\.[A-Z_]+$", ast.unparse(last))
+                if policy:
+                    return [
+                        f"{policy[0]} is a number, which ROS takes as the queue depth. To set a "
+                        f"policy, pass QoSProfile(depth=10, {policy[1].lower()}={policy[0]})."
+                    ]
+    return []
+
+
+def _fixed_frame_slash(source: str) -> list[str]:
+    """Return a sentence about a fixed frame with a slash in front, or []."""
+    for node in ast.walk(parse(source)):
+        match node:
+            case (
+                ast.keyword(arg="fixed_frame", value=value)
+                | ast.Assign(targets=[ast.Attribute(attr="fixed_frame")], value=value)
+            ) if re.match(r"f?['\"]/", ast.unparse(value)):
+                return [
+                    f"Viewer removes the slash in front of the fixed frame {ast.unparse(value)}. "
+                    "Frames of tf2 have none: leave it out, also in RViz2."
+                ]
+    return []
 
 
 # Functions that return the computer's time instead of the node's time.

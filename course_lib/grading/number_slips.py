@@ -304,9 +304,14 @@ def _whole_seconds(function: Function) -> Iterator[str]:
 
 
 def _short_periods(function: Function) -> Iterator[str]:
-    """Yield a sentence for each period in seconds that is set where nanoseconds are expected."""
+    """Yield a sentence for each period of 0, or in seconds where nanoseconds are expected."""
     for node in ast.walk(function):
         match node:
+            case ast.Call(func=ast.Attribute(attr="create_timer"), args=[ast.Constant(value=0), *_]):
+                yield (
+                    f"{quote(node)} has the period 0, and calls as often as it can: a period is in "
+                    "seconds, 0.1 for 10 times a second."
+                )
             case ast.Assign(targets=[ast.Attribute(attr="timer_period_ns")], value=value) if not (
                 # A variable may already be in nanoseconds.
                 isinstance(value, ast.Name)

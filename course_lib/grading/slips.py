@@ -696,7 +696,7 @@ def _unread_items(function: Function) -> Iterator[str]:
         for part in parts:
             match part:
                 case ast.Call(
-                    func=ast.Attribute(attr="create_timer" | "create_subscription" | "append" | "partial"),
+                    func=ast.Attribute(attr="create_timer" | "create_subscription" | "append"),
                     args=arguments,
                 ):
                     kept += arguments
@@ -735,13 +735,14 @@ def _unused_fields(function: Function) -> Iterator[str]:
 # Usual names of messages, and fields that a program sets.
 _MESSAGE_NAMES = {"marker", "message", "msg", "state", "pose", "path", "scan", "status", "image"}
 _FIELD_NAMES = {
-    *("header", "stamp", "frame_id", "pose", "position", "orientation", "scale", "color", "lifetime"),
-    *("text", "points", "ns", "id", "type", "action", "name", "velocity", "level", "values", "poses"),
+    *("header", "stamp", "frame_id", "pose", "position", "orientation", "scale", "color"),
+    *("lifetime", "text", "points", "ns", "id", "type", "action", "name", "velocity", "level"),
+    *("values", "poses"),
 }
 
 
 def _odd_calls(function: Function) -> Iterator[str]:
-    """Yield a sentence for each empty result of a parameter callback, and for each product of three."""
+    """Yield a sentence for each call whose arguments or whose result are not the intended ones."""
     for node in ast.walk(function):
         match node:
             case ast.For(
@@ -802,7 +803,7 @@ def _other_files(function: Function) -> Iterator[str]:
             case ast.Call(
                 func=ast.Attribute(attr="read_text", value=ast.Call(args=[ast.Constant(value=str(name))]))
             ) if saved and name not in saved:
-                yield f"The layout is saved as {saved[0]}, but the text is read from {name}: use one name."
+                yield (f"The layout is saved as {saved[0]}, but the text is read from {name}: use one name.")
 
 
 def find_hidden_error(source: str) -> str:
@@ -815,8 +816,8 @@ def find_hidden_error(source: str) -> str:
             ):
                 head = ast.unparse(node).splitlines()[0]
                 return (
-                    f'"{head}" also hides your own errors, like a misspelled name: print the error there, '
-                    "or catch only the exception that you expect."
+                    f'"{head}" also hides your own errors, like a misspelled name: print the '
+                    "error there, or catch only the exception that you expect."
                 )
     return ""
 
@@ -851,6 +852,11 @@ def _unreachable(block: Sequence[ast.stmt]) -> Iterator[str]:
     for statement, after in pairwise(block):
         if isinstance(statement, ast.Return | ast.Continue | ast.Break | ast.Raise):
             yield f"{quote(after)} comes after {quote(statement)} and never runs."
+        match statement:
+            case ast.Expr(value=ast.Call(func=ast.Attribute(attr=name), args=args)) if (
+                name in _SENDING or not args
+            ) and ast.dump(statement) == ast.dump(after):
+                yield f"{quote(statement)} is there twice in a row: leave one of them out."
 
 
 def _lost_locals(function: Function, attributes: set[str]) -> Iterator[str]:
@@ -861,7 +867,8 @@ def _lost_locals(function: Function, attributes: set[str]) -> Iterator[str]:
     # The variable of a loop is not meant to last.
     inner = [part for target in loops for part in ast.walk(target)]
     for node in names:
-        if isinstance(node.ctx, ast.Store) and node.id in attributes - read_names and node not in inner:
+        is_lost = isinstance(node.ctx, ast.Store) and node.id in attributes - read_names
+        if is_lost and node not in inner:
             yield (
                 f"{node.id} = … in {function.name} sets a local variable, which is lost at the end "
                 f"of the method. To keep it, write self.{node.id} = …"

@@ -147,6 +147,18 @@ MARKERS_TASK = Task(
                 expect_gone(MARKERS).requiring(PERSON_BEFORE).titled("no box when the message is too old"),
             ),
         ),
+        Scenario(
+            "the detector stops, with another marker_lifetime",
+            # The last detection is at 1.6 s: a fixed limit of 1 s draws until 2.6 s.
+            seconds=2.6,  # [s]
+            inputs=(*SEEN[:8], inputs.set_parameters("/perception_node", 0.5, marker_lifetime=0.4)),
+            checks=lightly(
+                PERSON_BEFORE.titled("a box with a marker_lifetime of 0.4 s"),
+                expect_gone(MARKERS)
+                .requiring(PERSON_BEFORE)
+                .titled("no box when the message is older than 0.4 s"),
+            ),
+        ),
     ),
     personal={"threshold": (0.72, 0.75, 0.78, 0.81, 0.84, 0.87)},
 )

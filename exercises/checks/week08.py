@@ -123,8 +123,8 @@ SWEEP_NODE = Task(
 RAMP = [*[(0.0, 0.0, z) for z in (0.5, 0.6, 0.7)], *[(0.0, 0.05 * n, 0.7) for n in range(1, 6)]]
 SLOWLY = [(0.0, 0.0, 0.7 + 0.006 * step) for step in range(1, 6)]
 SLOW = [*[(0.0, 0.0, z) for z in (0.5, 0.6, 0.7)], *SLOWLY, (0.0, 0.0, 0.75), (0.0, 0.0, 0.77)]
-SMALL_DRIVE = [(0.0, 0.0, 0.5), (0.0, 0.0, 0.6), (0.06, 0.0, 0.6), (0.06, 0.0, 0.7), (0.06, 0.0, 0.8)]
-FAR_IN_STEPS = [(0.0, 0.0, 0.5), (0.0, 0.0, 0.6), (0.08, 0.0, 0.6), (0.16, 0.0, 0.6), (0.16, 0.0, 0.8)]
+SMALL_DRIVE = [(0.0, 0.0, 0.5), (0.0, 0.0, 0.6), (0.09, 0.0, 0.6), (0.09, 0.0, 0.7), (0.09, 0.0, 0.8)]
+FAR_IN_STEPS = [(0.0, 0.0, 0.5), (0.0, 0.0, 0.6), (0.06, 0.0, 0.6), (0.12, 0.0, 0.6), (0.12, 0.0, 0.8)]
 # The base turns by 0.2 rad per step. Its distance from where it was is 0, but not that of the map's
 # origin from the base.
 TURN = 0.2  # [rad]

@@ -139,6 +139,16 @@ HIDDEN = {
             ),
         ),
         Scenario(
+            "the detector of others stops sooner",
+            seconds=2.9,  # [s]
+            seed=13,
+            inputs=(
+                *seen(2.0),
+                inputs.set_parameters("/perception_node", 0.5, marker_lifetime=0.4),  # [s]
+            ),
+            checks=(expect_gone(MARKERS).requiring(DOG_BEFORE).worth(0.5), DOG_BEFORE.worth(0)),
+        ),
+        Scenario(
             "the detector of others stops",
             seconds=4.0,  # [s]
             seed=11,

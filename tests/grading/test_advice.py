@@ -431,3 +431,50 @@ def test_code_in_a_general_hint_runs(tmp_path: Path, monkeypatch: pytest.MonkeyP
         rclpy.init(args=[])
         for code in [PREAMBLE, *snippets]:
             exec(code, names)
+
+
+@pytest.mark.parametrize(
+    ("line", "remark"),
+    [
+        ("import time as t\n        t.time()", "Here the checks accept t.time()"),
+        ("Clock().now()", "Here the checks accept Clock().now()"),
+        ("self.get_clock().now()", ""),
+        (
+            "self.create_publisher(Marker, '/m', ReliabilityPolicy.BEST_EFFORT)",
+            "ReliabilityPolicy.BEST_EFFORT is a number, which ROS takes as the queue depth.",
+        ),
+        ("self.create_publisher(Marker, '/m', 10)", ""),
+        ("Viewer(fixed_frame='/odom')", "Viewer removes the slash in front of the fixed frame '/odom'."),
+        ("viewer.fixed_frame = 'odom'", ""),
+    ],
+)
+def test_accepted_habits_are_remarked_when_the_task_passes(line: str, remark: str) -> None:
+    code = f"class Lamp(Node):\n    def tick(self):\n        {line}\n"
+    passed = TaskResult("week01.half", "Half of it", 10.0, False, ())
+    lines = Advice().notes(TASK, replace(passed, checks=(replace(failing(""), score=1.0),)), [], "s1", code)
+    assert [text[: len(remark)] for text in lines] == [remark] * bool(remark)
+
+
+@pytest.mark.parametrize(
+    ("task", "code", "start"),
+    [
+        ("week02.two_link", "class two_link: ...", "Hint: two_link is a class here"),
+        ("week01.red_cube", "def RedCubeNode():\n    Node('a')", "Hint: RedCubeNode is a function here"),
+        ("week01.red_cube", "def RedCubeNode():\n    return Node('a')", ""),
+    ],
+)
+def test_class_in_the_place_of_a_function_is_reported(task: str, code: str, start: str) -> None:
+    found = parameter_order_hint(load_catalog(exercises_dir()).task(task), code)
+    assert [line[: len(start)] for line in found] == [start] * bool(start)
+
+
+def test_relative_topic_in_a_namespace_is_explained() -> None:
+    code = (
+        "class Lamp(Node):\n    def tick(self):\n        self.create_publisher(Marker, 'm', 10).publish(1)\n"
+    )
+    check = replace(failing(SILENT), message="nothing was published on /m in 6 s, only on /robot/m")
+    assert (
+        Advice()
+        .hint(TASK, result(check), code)[0]
+        .startswith("Hint: 'm' without a slash in front is a name inside the node's namespace, here /robot/m")
+    )

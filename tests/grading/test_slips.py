@@ -422,6 +422,11 @@ SLIPS += [
         '"lambda: self.lamp(n)" reads n when it is called, after the loop',
     ),
     (
+        ("self.p.publish(marker)", "self.p.publish(marker)"),
+        '"self.p.publish(marker)" is there twice in a row: leave one of them out.',
+    ),
+    (("self.create_timer(0, self.lamp)",), '"self.create_timer(0, self.lamp)" has the period 0'),
+    (
         ("self.create_timer(1.0, self.lamp())",),
         '"self.create_timer(1.0, self.lamp())" calls lamp now, and passes what it returns',
     ),

@@ -114,6 +114,11 @@ def test_length_of_a_list_in_a_list_is_a_kind_of_its_own(evidence: MakeEvidence)
             "without their names",
         ),
         (
+            {"a": "b"},
+            [["a", "b"]],
+            "the value is {'a': 'b'}, expected a list of 1: a list of pairs is needed instead of a dict",
+        ),
+        (
             "1, 2",
             [1, 2],
             "the value is '1, 2', expected a list of 2: return the values themselves, not a string of them",

@@ -390,7 +390,8 @@ def _check_directions(
     for seconds, pose in poses if heading is not None else ():
         (x, y, _), turn = pose.translation, yaw_of(*pose.rotation)
         if heading is not None and not are_angles_close(turn - math.atan2(y, x), heading, YAW_TOLERANCE):
-            expected_text = f"the direction from the origin plus {format_angle(heading)}"
+            expected = format_angle(math.remainder(math.atan2(y, x) + heading, math.tau))
+            expected_text = f"{expected}: the direction from the origin plus {format_angle(heading)}"
             message = f"after {format_number(seconds, 's')} {pose.child} is turned by {format_angle(turn)}"
             yield Problem(f"{message}, expected {expected_text}", "the orientation of a frame is wrong")
             break

@@ -148,7 +148,7 @@ def expect_length(evidence: Evidence, fewest: int, most: int) -> Iterable[Proble
 
 
 def _is_same_joint_angle(value: Any, expected: float, tolerance: float) -> bool:
-    """Return whether two angles [rad] are the same position of a joint, which is limited to one turn."""
+    """Return whether two angles [rad], within one turn, are the same position of a joint."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
     return abs(value) <= math.tau and are_angles_close(value, expected, tolerance)
@@ -168,7 +168,7 @@ def compare(
             yield from _compare_lists(value, expected, tolerance, unit, name, axes)
         case list(), _:
             expected_text = f"a list of {len(expected)}" if expected else "an empty list"
-            remedy = next((text for kind, text in _REMEDIES if re.search(kind, repr(value))), "")
+            remedy = _remedy(value, expected)
             yield Problem(f"{actual}, expected {expected_text}{remedy}", WRONG_KIND)
         case dict(), {"object": str(kind)} if len(value) == 1 and "object" not in expected:
             yield Problem(f"{name} is {kind}, expected a dict", WRONG_KIND)
@@ -197,6 +197,14 @@ def compare(
             yield Problem(f"{actual}, expected a number", WRONG_KIND)
         case _ if not is_close(value, expected, tolerance):
             yield _number_problem(value, expected, unit, name)
+
+
+def _remedy(value: Any, expected: list[Any]) -> str:
+    """Return what to change in a value that is not a list, or ""."""
+    has_pairs = bool(expected) and all(isinstance(row, list) and len(row) == 2 for row in expected)
+    if isinstance(value, dict) and "object" not in value and has_pairs:
+        return ": a list of pairs is needed instead of a dict"
+    return next((text for kind, text in _REMEDIES if re.search(kind, repr(value))), "")
 
 
 def _compare_lists(
@@ -285,7 +293,7 @@ def _is_different(value: float | str, expected: float | str, tolerance: float) -
 
 
 def _item_name(name: str, index: object) -> str:
-    """Return the name of an item: "[2] of a bar", and "[1][2] of a bar" if it is nested in "[1] of a bar"."""
+    """Return the name of an item: "[2] of a bar", and "[1][2] of a bar" if it is nested."""
     outer = _INDEX.match(name)
     return f"{outer[1]}[{index!r}] of {outer[2]}" if outer else f"[{index!r}] of {name}"
 
@@ -312,8 +320,9 @@ def _number_problem(value: float, expected: float, unit: str, name: str) -> Prob
         if math.isclose(value * factor, expected, rel_tol=1e-3):
             return Problem(f"{actual}: {factor} times too little", OTHER_UNIT)
     for digits in (1, 2, 3) if math.isclose(value, expected, rel_tol=0.01) else ():
-        if value == round(expected, digits):
-            return Problem(f"{actual}: rounded to {format_count(digits, 'digit')}", "a value is rounded")
+        if value == round(expected, digits) != round(value):
+            actual = f"{actual}: rounded to {format_count(digits, 'digit')}"
+            return Problem(actual, "a value is rounded")
     offset = f"{actual}: {describe_offset(value, expected, 'too much', 'too little', unit)}"
     # A small whole number is more often computed than rounded.
     if (

@@ -285,7 +285,8 @@ SEQUENCES = [
         "import numpy as np\nif np.zeros(3) < 1.0: ...",
         "ValueError: The truth value of an array with more than one element is ambiguous. Use "
         "a.any() or a.all()",
-        "an array has many values: compare one of them, or use .any() or .all().",
+        "an array has many values: compare one of them, or use .any() or .all(). To test whether "
+        "it is set, write is not None.",
     ),
     ("mine = {'amplitude': 0.5}\nmine['amplitud']", "KeyError: 'amplitud'", "did you mean 'amplitude'?"),
     (

@@ -66,6 +66,11 @@ SERVICES = [
         "end the callback with return Fibonacci.Result().",
     ),
     (
+        "ActionClient(node, Fibonacci, 'count').publish(5)",
+        "AttributeError: 'ActionClient' object has no attribute 'publish'",
+        "an action client sends goals, send_goal_async(goal). For a topic, write self.create_publisher(…).",
+    ),
+    (
         "ActionClient(node, Fibonacci, 'count').send_goal_async(5)",
         "TypeError",
         "pass a goal, with (): `Fibonacci.Goal(order=5)`.",
