@@ -90,7 +90,8 @@ def test_circling_frame_facing_forward_passes(evidence: MakeEvidence) -> None:
     [
         (
             {"ahead": 0.0},
-            "base is turned by 0.10 rad (6°), expected the direction from the origin plus 1.57 rad (90°)",
+            "base is turned by 0.10 rad (6°), expected 1.68 rad (96°): the direction from the origin "
+            "plus 1.57 rad (90°)",
         ),
         ({"turn": -1.0}, "base goes clockwise (from above), expected counter-clockwise"),
         ({"turn": 0.5}, "one turn takes 12.00 s, expected 6.00 s"),
