@@ -27,12 +27,13 @@ FIND_NOTEBOOK = """globalThis.courseNotebook = () => [...jupyterapp.shell.widget
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
 VIEWPORT: ViewportSize = {"width": 1280, "height": 900 if PICTURES else 720}  # [px]
 # Software draws the views here: a screen of three frames a second, and edges that are not smooth,
-# are enough.
+# are enough. A frame is at least half an interval away: if the next one were always used, views
+# would be drawn soon after some changes, and Python sends batches as often as the fastest picture.
 SLOW_SCREEN = """{
     window.courseRestScale = 1;
     const everyFrame = window.requestAnimationFrame, interval = 330;  // [ms]
     window.requestAnimationFrame = (draw) =>
-        setTimeout(() => everyFrame(draw), interval - performance.now() % interval);
+        setTimeout(() => everyFrame(draw), 1.5 * interval - (performance.now() + interval / 2) % interval);
     window.cancelAnimationFrame = clearTimeout;  // a frame that has begun is drawn
     const getContext = HTMLCanvasElement.prototype.getContext;
     HTMLCanvasElement.prototype.getContext = function (kind, options) {
