@@ -277,3 +277,21 @@ def test_functions_for_custom_launch_files_return_the_values_of_ros(
         "/x",
         "[True, True, False]",
     ]
+
+
+def test_action_that_a_function_adds_to_the_visited_description_runs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "a.launch.py").write_text("""
+from launch import LaunchDescription
+from launch.actions import LogInfo, OpaqueFunction
+
+def add(context, description):
+    description.add_action(LogInfo(msg="added"))
+
+def generate_launch_description():
+    description = LaunchDescription()
+    description.add_action(OpaqueFunction(function=add, args=[description]))
+    return description
+""")
+    assert logged(tmp_path / "a.launch.py", capsys) == ["added"]

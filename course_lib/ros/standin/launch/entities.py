@@ -307,7 +307,10 @@ def require_entity_list(
 
 
 def as_entity_list(entities: Entities | None) -> list[LaunchDescriptionEntity]:
-    """Return one entity, several or None as a list."""
+    """Return one entity, several or None as a list.
+
+    A list is not copied: as in ROS, an action may add entities to the description that is visited.
+    """
     if entities is None:
         return []
     if isinstance(entities, LaunchDescriptionEntity):
@@ -317,7 +320,7 @@ def as_entity_list(entities: Entities | None) -> list[LaunchDescriptionEntity]:
         raise TypeError(
             f"'{kind}' object has no attribute 'visit': pass an action such as Shutdown(), or a list"
         )
-    return list(entities)
+    return entities if isinstance(entities, list) else list(entities)
 
 
 class LaunchService:
