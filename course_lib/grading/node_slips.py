@@ -16,6 +16,8 @@ from course_lib.grading.slips import (
     parse,
     quote,
     root_of,
+    uses,
+    uses_expression,
 )
 from course_lib.ros.messages.definitions import definition, type_names
 
@@ -47,7 +49,11 @@ def find_slip(source: str) -> str:
         functions = outer.body if isinstance(outer, ast.ClassDef | ast.Module) else []
         for function in functions:
             if isinstance(function, Function):
-                for slip in (*function_slips(function, attributes), *number_slips(function)):
+                for slip in (
+                    *function_slips(function, attributes),
+                    *_method_slips(function),
+                    *number_slips(function),
+                ):
                     return slip
         if isinstance(outer, ast.ClassDef):
             for slip in (
@@ -524,4 +530,175 @@ def _odd_callbacks(cls: ast.ClassDef) -> Iterator[str]:
                     yield (
                         f"{quote(statement)} in {function.name} {_ENDINGS[name]} when the "
                         "callback runs for the first time: leave it out."
+                    )
+
+
+def _method_slips(method: Function) -> Iterator[str]:
+    """Yield a sentence for each slip in a method of a class, which callbacks of a node usually are."""
+    if method.args.args[:1] and method.args.args[0].arg == "self":
+        yield from _blocking_calls(method)
+        yield from _waiting_loops(method)
+        yield from _odd_node_calls(method)
+        yield from _foreign_lookups(method)
+        yield from _lost_counts(method)
+        yield from _reset_attributes(method)
+
+
+def _blocking_calls(function: Function) -> Iterator[str]:
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(func=ast.Attribute(value=ast.Name(id="time"), attr="sleep")):
+                yield (
+                    f"time.sleep in {function.name} stops the whole node: no other callback runs "
+                    "before it ends. Use a timer."
+                )
+            case ast.Call(
+                func=ast.Attribute(attr="wait_for_service" | "wait_for_server"), args=[], keywords=[]
+            ) if function.name != "__init__":
+                yield (
+                    f"{quote(node)} in {function.name} stops the whole node until the server is "
+                    "available: call service_is_ready() or server_is_ready(), and return if it is False."
+                )
+            case ast.Call(
+                func=ast.Attribute(
+                    value=ast.Name(id="rclpy"), attr="spin" | "spin_once" | "spin_until_future_complete"
+                )
+                | ast.Name(id="spin_for" | "run_live")
+            ):
+                yield (
+                    f"{quote(node.func)} in {function.name} waits for callbacks, which cannot run "
+                    "before this one returns: leave it out, because the node is already spinning."
+                )
+
+
+def _lost_counts(function: Function) -> Iterator[str]:
+    """Yield a sentence for each local variable that is incremented as if the next call kept it."""
+    shared = {
+        name
+        for node in ast.walk(function)
+        if isinstance(node, ast.Global | ast.Nonlocal)
+        for name in node.names
+    }
+    for index, statement in enumerate(function.body):
+        match statement:
+            case ast.AugAssign(target=ast.Name(id=name), value=ast.Constant() | ast.BinOp()) if (
+                name not in shared and not any(uses(later, name) for later in function.body[index + 1 :])
+            ):
+                yield (
+                    f"{quote(statement)} changes a local variable of {function.name}, which "
+                    f"starts anew in the next call: keep the value in self.{name}."
+                )
+
+
+def _reset_attributes(function: Function) -> Iterator[str]:
+    """Yield a sentence for each attribute that a callback sets to a number before it counts it up."""
+    if function.name == "__init__":
+        return
+    for index, statement in enumerate(function.body):
+        match statement:
+            case ast.Assign(
+                targets=[ast.Attribute(value=ast.Name(id="self")) as target],
+                value=ast.Constant(value=int() | float() | None),
+            ):
+                attribute = ast.unparse(target)
+            case _:
+                continue
+        for later in function.body[index + 1 :]:
+            match later:
+                case ast.AugAssign(target=counted) if ast.unparse(counted) == attribute:
+                    pass
+                case ast.Assign(targets=[ast.Tuple(elts=stored)], value=ast.Tuple(elts=read)) if (
+                    attribute in map(ast.unparse, stored) and attribute in map(ast.unparse, read)
+                ):
+                    pass
+                case ast.For() | ast.While() if uses_expression(later, attribute):
+                    break
+                case _:
+                    continue
+            yield (
+                f"{quote(statement)} in {function.name} runs in each call, so that the value "
+                "of the earlier call is lost: set it once, in __init__."
+            )
+            break
+
+
+def _waiting_loops(function: Function) -> Iterator[str]:
+    """Yield a sentence for each loop that waits for messages, which arrive only after the method ends."""
+    for node in ast.walk(function):
+        match node:
+            case ast.While(test=ast.Constant() | ast.Compare()):
+                continue
+            case ast.While(test=test, body=body) if all(map(_is_wait, body)):
+                yield (
+                    f'"while {ast.unparse(test)}" in {function.name} waits for messages, but the node '
+                    "receives none before the method ends: check once, with if, and return if it "
+                    "is too early."
+                )
+
+
+def _is_wait(statement: ast.stmt) -> bool:
+    match statement:
+        case ast.Pass() | ast.Continue() | ast.Expr(value=ast.Constant()):
+            return True
+        case ast.Expr(value=ast.Call(func=ast.Attribute(attr="sleep" | "info" | "warn" | "warning"))):
+            return True
+    return False
+
+
+def _odd_node_calls(function: Function) -> Iterator[str]:
+    """Yield a sentence for each call of a method that has a better counterpart in ROS, or other arguments.
+
+    A lookup at the present time is too early: no transform has reached it.
+    """
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(
+                func=ast.Attribute(attr="lookup_transform" | "can_transform" as method),
+                args=[_, _, time],
+                keywords=[],
+            ) if re.search(r"\.now\(\)(\.to_msg\(\))?$", ast.unparse(time)):
+                yield (
+                    f"{ast.unparse(time)} in {method} is later than the last transform "
+                    "that has arrived: pass the stamp of a message, or Time() for the newest "
+                    "transform."
+                )
+            case ast.Call(func=ast.Attribute(attr="create_timer" | "create_subscription"), args=args):
+                for argument in args:
+                    if isinstance(argument, ast.Lambda) and isinstance(argument.body, ast.Attribute):
+                        name = ast.unparse(argument.body)
+                        yield f"{quote(argument)} does not call {argument.body.attr}: pass {name} alone."
+            case ast.Call(
+                func=ast.Attribute(value=ast.Name(id="threading"), attr="Timer" | "Thread")
+                | ast.Name(id="Timer" | "Thread")
+            ):
+                yield (
+                    f"{quote(node)} calls its function once, by the wall clock. A timer of the "
+                    "node calls it repeatedly: self.create_timer(period, function)."
+                )
+
+
+def _foreign_lookups(function: Function) -> Iterator[str]:
+    """Yield a sentence for each lookup for a message that ignores the message's frame or stamp."""
+    given = {argument.arg for argument in function.args.args[1:]}
+    moved = {
+        node.args[0].id
+        for node in ast.walk(function)
+        if isinstance(node, ast.Call) and "do_transform_" in ast.unparse(node.func)
+        if node.args and isinstance(node.args[0], ast.Name)
+    }
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(func=ast.Attribute(attr="lookup_transform"), args=[target, source, time, *_]) if (
+                given & moved and "header" not in ast.unparse(target)
+            ):
+                header = f"{min(given & moved)}.header"
+                if isinstance(source, ast.Constant):
+                    yield (
+                        f"lookup_transform has the fixed frame {source.value!r}, and a message may "
+                        f"be in another one: pass {header}.frame_id."
+                    )
+                if re.fullmatch(r"(\w+\.)*Time\(\)", ast.unparse(time)):
+                    yield (
+                        f"{ast.unparse(time)} in lookup_transform requests the newest transform. "
+                        f"The message was stamped earlier: pass {header}.stamp."
                     )

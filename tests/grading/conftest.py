@@ -97,13 +97,14 @@ MISTAKES = """
 """
 HIDDEN = """
 from course_lib.grading.task import Call, Scenario
-from course_lib.grading import expect_rate, expect_value
+from course_lib.grading import Check, expect_rate, expect_value
 HIDDEN = {
     "week01.red_cube": (Scenario("longer", seconds=9.0, checks=(
         expect_rate("/visualization_marker", 1.0).worth(2),)),),
     "week01.half": (Scenario("other", calls=(Call(-7.0),), checks=(expect_value(-3.5),)),),
 }
 """
+FAULTY_CHECK = 'Check("the value is right", lambda evidence: [][1])'  # raises an IndexError
 RIGHT = """
 %load_ext course_lib
 import rclpy

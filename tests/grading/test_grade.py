@@ -17,7 +17,7 @@ from course_lib.grading.marking.by_hand import mark_by_hand
 from course_lib.grading.marks import read_result
 from course_lib.grading.run.scenario import run_in_this_process
 from course_lib.grading.store import Course, catalog_of, rules_of
-from tests.grading.conftest import COURSE, write_course
+from tests.grading.conftest import COURSE, FAULTY_CHECK, write_course
 
 WriteNotebook = Callable[..., Path]
 IN_TIME = "2026-10-11 12:00:00 UTC"
@@ -194,11 +194,11 @@ def test_broken_check_scores_zero_and_is_reported_to_staff_only(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     hidden, out = course.solutions / "checks/week01.py", tmp_path / "out"
-    hidden.write_text(hidden.read_text().replace("expect_value(-3.5)", "expect_value(-3.5, call=-2)"))
+    hidden.write_text(hidden.read_text().replace("expect_value(-3.5)", FAULTY_CHECK))
     assert grade(hand_in({"right": right}), out, jobs=1, course=course)
     row = rows(out)["right"]
     assert (row["status"], row["final"]) == ("needs_marking", "90.0")
-    broken = f"week01.half, other, 'the value is right': {hidden} line 7: IndexError"
+    broken = "week01.half, other, 'the value is right': solutions/checks/week01.py line 7: IndexError"
     assert f"A check could not judge right: {broken}" in capsys.readouterr().out
     assert broken in (out / "reports/index.html").read_text().replace("&#39;", "'")
     page = (out / "reports/right/week01_exercise.html").read_text()

@@ -16,7 +16,7 @@ from course_lib.grading.executors import InlineExecutor
 from course_lib.grading.grade import grade, installed_kit, run_preflight
 from course_lib.grading.marks import results_in
 from course_lib.grading.store import Course
-from tests.grading.conftest import RIGHT
+from tests.grading.conftest import FAULTY_CHECK, RIGHT
 from tests.grading.test_class import change, count_runs
 from tests.patience import PATIENCE
 
@@ -106,7 +106,7 @@ def test_check_raising_for_the_solution_stops_grading(
     course: Course, solve: Callable[[str], Path], tmp_path: Path
 ) -> None:
     solve(SOLVED)
-    change(course.solutions / "checks/week01.py", "expect_value(-3.5)", "expect_value(-3.5, call=-2)")
+    change(course.solutions / "checks/week01.py", "expect_value(-3.5)", FAULTY_CHECK)
     with pytest.raises(CourseError, match=r"the solution .* 90 of 110 .*week01\.py line 7: IndexError"):
         grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
 
