@@ -4,6 +4,7 @@ Each mistake runs in a process of its own, as some of them abort it or wait for 
 what is written to standard error and the last line of the traceback.
 """
 
+import faulthandler
 import json
 import os
 import signal
@@ -61,6 +62,7 @@ def outcome(imported: dict[str, object], program: str) -> str:
 
 def main() -> None:
     """Run all mistakes."""
+    faulthandler.disable()  # the name of the signal is enough, and addresses differ
     prelude, mistakes, outcomes = (Path(word) for word in sys.argv[1:4])
     programs = json.loads(mistakes.read_text(encoding="utf-8"))
     # Imported once: types without a wheel take seconds.
