@@ -54,3 +54,12 @@ def test_command_that_exceeds_its_time_is_killed(tmp_path: Path) -> None:
     with pytest.raises(ProcessLookupError):
         os.kill(int((tmp_path / "pid").read_text()), 0)
     assert run_course("--version", cwd=tmp_path).returncode == 0
+
+
+def test_variable_of_the_interpreter_is_followed_after_another_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "a.py").write_text("import sys\nprint(sys.warnoptions)\n")
+    before = run_course("run", "a.py", cwd=tmp_path).stdout
+    monkeypatch.setenv("PYTHONWARNINGS", "error::ImportWarning")
+    assert run_course("run", "a.py", cwd=tmp_path).stdout == "['error::ImportWarning']\n" != before

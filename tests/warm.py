@@ -14,6 +14,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -26,7 +27,7 @@ HASH_SEED = "0"
 LIMIT_OF_A_SESSION = 24 * 3600.0  # [s]
 # What every program imports. ROS's own names can be imported only after the start of a run.
 PRELOADED = ("numpy.random", "course_lib.cli", "course_lib.recording", "course_lib.tools.run")
-# Read by the interpreter when it starts, so that a fork can't be given another one.
+# Read by the interpreter when it starts: commands with other values need another process to fork.
 FIXED = (
     "PYTHONPATH",
     "PYTHONWARNINGS",
@@ -41,15 +42,15 @@ FIXED = (
 class _Parent:
     """The process that is forked. It is started for the first command and ends with this process."""
 
-    def __init__(self) -> None:
+    def __init__(self, fixed: Mapping[str, str]) -> None:
+        others = {name: value for name, value in os.environ.items() if name not in FIXED}
         self._socket, its_socket = socket.socketpair()
-        self._fixed = [os.environ.get(name) for name in FIXED]
         command = [sys.executable, "-P", str(Path(__file__)), str(its_socket.fileno())]
         Program(
             command,
             limit=LIMIT_OF_A_SESSION,
             cwd=Path(__file__).parents[1],
-            env=os.environ | {"PYTHONHASHSEED": HASH_SEED},
+            env={**others, **fixed, "PYTHONHASHSEED": HASH_SEED},
             pass_fds=[its_socket.fileno()],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
@@ -58,7 +59,6 @@ class _Parent:
 
     def run(self, request: dict[str, Any], streams: list[int], timeout: float) -> int:
         """Return the exit code of a command."""
-        assert self._fixed == [request["environment"].get(name) for name in FIXED], "see FIXED"
         self._socket.settimeout(timeout)
         text = json.dumps(request).encode()
         rights = (socket.SOL_SOCKET, socket.SCM_RIGHTS, array.array("i", streams))
@@ -74,7 +74,8 @@ class _Parent:
         return code
 
 
-_parents: dict[int, _Parent] = {}
+# By process and the variables of FIXED.
+_parents: dict[tuple[int, *tuple[tuple[str, str], ...]], _Parent] = {}
 
 
 def run_course(
@@ -107,7 +108,10 @@ def run_course(
             env=environment,
             timeout=timeout,
         )
-    parent = _parents.get(os.getpid()) or _parents.setdefault(os.getpid(), _Parent())
+    # Earlier tests of the worker may have set them.
+    fixed = {name: environment[name] for name in FIXED if name in environment}
+    key = (os.getpid(), *fixed.items())
+    parent = _parents.get(key) or _parents.setdefault(key, _Parent(fixed))
     request = {"words": command, "folder": str(cwd or Path.cwd()), "environment": environment}
     with (
         open(os.devnull, "rb") as nothing,

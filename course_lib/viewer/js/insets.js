@@ -55,8 +55,9 @@ export function drawInsets(context, mirror, quality, render) {
   const places = boxes(insets, context.canvas.width, context.canvas.height);
   insets.forEach((inset, i) => {
     const [left, top, width, height] = places[i];
-    const name = groups[i].parent.userData.path.split("/").at(-2);
+    const name = groups[i].parent.userData.path.split("/").at(-2); // of its display
     const writeName = () => {
+      if (!name) return;
       context.font = `${Math.max(11, width / 14)}px sans-serif`;
       context.fillStyle = "#0008";
       context.fillRect(left, top, context.measureText(name).width + 8, Math.max(16, width / 9));
