@@ -74,8 +74,8 @@ class _Parent:
         return code
 
 
-# By process and the variables of FIXED.
-_parents: dict[tuple[int, *tuple[tuple[str, str], ...]], _Parent] = {}
+# By the ID of a process, and the variables of FIXED.
+_parents: dict[tuple[int, tuple[tuple[str, str], ...]], _Parent] = {}
 
 
 def run_course(
@@ -110,7 +110,7 @@ def run_course(
         )
     # Earlier tests of the worker may have set them.
     fixed = {name: environment[name] for name in FIXED if name in environment}
-    key = (os.getpid(), *fixed.items())
+    key = os.getpid(), tuple(fixed.items())
     parent = _parents.get(key) or _parents.setdefault(key, _Parent(fixed))
     request = {"words": command, "folder": str(cwd or Path.cwd()), "environment": environment}
     with (
