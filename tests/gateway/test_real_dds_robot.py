@@ -1,7 +1,6 @@
 """`course router` in front of a robot that runs the real rclpy over DDS, with nothing set on the robot."""
 
 import os
-import random
 import signal
 import subprocess
 import sys
@@ -11,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.gateway.gateway import GatewayUser, load_users
+from course_lib.real.process import free_domain
 from tests.gateway.conftest import ROSTER, wait_for
 from tests.patience import PATIENCE
 from tests.ports import free_port
@@ -30,7 +30,7 @@ class Lab:
         self.folder = folder
         program = folder / "robot.py"
         program.write_text(ROBOT)
-        self.domain = random.randint(1, 90)
+        self.domain = free_domain()
         environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
         environment |= {"ROS_DOMAIN_ID": str(self.domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
         pipe = subprocess.PIPE

@@ -1,11 +1,11 @@
 """Actions between two kits that are linked by DDS, each in a separate process."""
 
-import random
 import subprocess
 from pathlib import Path
 
 import pytest
 
+from course_lib.real.process import free_domain
 from tests.patience import PATIENCE
 from tests.processes import Program
 from tests.ros.dds.actions import (
@@ -27,7 +27,7 @@ from tests.ros.dds.actions import (
 def test_goals_feedback_and_results_arrive_once_and_in_order(tmp_path: Path, seed: int | None) -> None:
     (tmp_path / "server.py").write_text(SERVER)
     (tmp_path / "client.py").write_text(CLIENT)
-    domain = "--domain", str(random.randint(1, 90))
+    domain = "--domain", str(free_domain())
     server = in_kit(tmp_path / "server.py", *domain, seed=seed)
     with Program(server, env=FIXED_SEED, stdout=subprocess.PIPE) as robot:
         try:
@@ -47,7 +47,7 @@ def test_goals_feedback_and_results_arrive_once_and_in_order(tmp_path: Path, see
 def test_goal_whose_server_dies_has_no_result_and_the_client_notices(tmp_path: Path, end: str) -> None:
     (tmp_path / "server.py").write_text(DYING_SERVER.replace("END", ENDS[end]))
     (tmp_path / "client.py").write_text(WAITING_CLIENT)
-    domain = "--domain", str(random.randint(1, 90))
+    domain = "--domain", str(free_domain())
     server = in_kit(tmp_path / "server.py", *domain)
     with Program(server, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as robot:
         client = in_kit(tmp_path / "client.py", *domain)

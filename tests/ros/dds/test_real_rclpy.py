@@ -1,7 +1,6 @@
 """The DDS link to the real rclpy, in a separate process and on loopback."""
 
 import os
-import random
 import re
 import signal
 import subprocess
@@ -14,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from course_lib.real.process import free_domain
 from tests.patience import PATIENCE
 from tests.processes import LIMIT_OF_A_SERVER, Program
 from tests.ros.dds.attack import ATTACK, ATTEMPTS, VICTIM
@@ -117,7 +117,7 @@ def real_robot(text: str, folder: Path) -> Iterator[RealRobot]:
     """Run a program on the real rclpy in a separate domain, until the end of a `with` block."""
     program = folder / "robot.py"
     program.write_text(text)
-    domain = random.randint(1, 90)
+    domain = free_domain()
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     environment |= {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     command = [PYTHON, str(program)]
