@@ -454,8 +454,15 @@
           queueSaves(panel.context);
           panel.context.saveState.connect((_, state) => state === "started" && savePictures(panel));
           const { sessionContext } = panel;
-          // A cell starts: what it changes belongs to its own picture.
-          sessionContext.iopubMessage.connect((_, { header }) => header.msg_type === "execute_input" && savePictures(panel));
+          let kernelSession = ""; // of the kernel's process
+          sessionContext.iopubMessage.connect((_, { header }) => {
+            // After a restart in another window, the new process's first status may be lost: JupyterLab's server
+            // connects to it a moment later.
+            if (kernelSession && header.session !== kernelSession) sessionContext.statusChanged.emit("restarting");
+            kernelSession = header.session;
+            // A cell starts: what it changes belongs to its own picture.
+            if (header.msg_type === "execute_input") savePictures(panel);
+          });
           sessionContext.statusChanged.connect((_, status) => ENDED_STATUSES.includes(status) && showEnded(panel));
           const listen = (kernel) =>
             kernel?.registerCommTarget(IDENTITY_TARGET, (_, { content }) => updateIdentity(tracker, content.data));
