@@ -10,7 +10,16 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Locator, expect
 
-from tests.browser.jupyterlab import VIEWPORT, Lab, Notebook, opened, red_pixels, view_of, write_notebook
+from tests.browser.jupyterlab import (
+    VIEWPORT,
+    Lab,
+    Notebook,
+    count_pixels,
+    opened,
+    red_pixels,
+    view_of,
+    write_notebook,
+)
 from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -202,6 +211,19 @@ def test_view_stays_in_its_cell_without_room_for_a_panel(notebook: Notebook, rea
     notebook.page.set_viewport_size(VIEWPORT)
     if reason == "simple mode":
         notebook.page.evaluate("jupyterapp.commands.execute('application:toggle-mode')")
+
+
+def test_closed_viewer_leaves_its_last_picture_in_its_cell(notebook: Notebook) -> None:
+    ask_for_view_beside(notebook)
+    notebook.cell("publisher.publish")
+    notebook.run_below(OTHER)
+    grid = "Math.min(r, g, b) > 100"
+    wait_until(lambda: count_pixels(panel(notebook), grid) > 100, notebook.page, A_FRAME)
+    notebook.run_below("other.close()")
+    cell = notebook.cell(OTHER)
+    cell.get_by_text("The view was closed.").wait_for()
+    expect(cell.locator("img")).to_be_visible()
+    assert notebook.errors() == []
 
 
 def test_kernel_restart_closes_the_side_panel_and_a_rerun_opens_it(notebook: Notebook) -> None:

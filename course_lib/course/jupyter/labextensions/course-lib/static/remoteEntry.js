@@ -13,6 +13,7 @@
   const CONTINUE_TITLE = "Run what this cell needs, then the cell itself";
   const AS_SAVED = "As it was when the notebook was saved.";
   const KERNEL_ENDED = "The kernel has ended.";
+  const VIEW_CLOSED = "The view was closed.";
   // Statuses of a kernel that has ended. A restart by another window is seen as "starting" only.
   const ENDED_STATUSES = ["dead", "terminating", "restarting", "autorestarting", "starting"];
   const INSERTION_TIMEOUT = 2000; // [ms] that JupyterLab may take to insert an output into its cell
@@ -156,13 +157,16 @@
       // The widget is there already: only what is saved beside it has changed.
       if (id && this.courseShows === id && this.widgets.length) return;
       this.courseShows = id;
-      const showUnlessThere = () => {
-        if (!this.isDisposed && !this.widgets.length) showSaved(app, tracker, rendermime, this, model);
+      const showUnlessThere = (line) => {
+        const newest = models.get(this);
+        if (newest && !this.isDisposed && !this.widgets.length) showSaved(app, tracker, rendermime, this, newest, line);
       };
       const late = setTimeout(showUnlessThere, WIDGET_TIMEOUT);
       await render.call(this, model);
       clearTimeout(late);
       showUnlessThere();
+      const showClosed = () => models.get(this)?.metadata["image/png"]?.fromPage && showUnlessThere(VIEW_CLOSED);
+      for (const widget of this.widgets) widget.disposed.connect(() => setTimeout(showClosed));
     };
     return (notebook) => {
       if (notebook.isDisposed) return;
