@@ -227,7 +227,7 @@ class _LiveScene:
     # The scene after the last cell.
     scene: Scene
 
-    def follow(self) -> None:
+    def extend(self) -> None:
         """Extend the scene to the current time, unless it has its maximum duration already."""
         recording = self.viewer.scene_recording
         # The robot time was reset in between.
@@ -296,7 +296,7 @@ class Scenes:
         self._saved_scenes.append((name, scripts, widget.scene))
         return self._scene_html(name, "\n".join([f"{widget.label}.", *summary(widget.scene)]), plays=plays)
 
-    def follow(self, *_: object) -> None:
+    def extend_live_scene(self, *_: object) -> None:
         """Extend the scene of the current viewer to the end of this cell.
 
         In JupyterLab, live nodes run on while the user looks at a new view. Here they run for
@@ -305,7 +305,7 @@ class Scenes:
         if self._live_scene is not None:
             if not self._live_scene.viewer.scene_recording.duration and live_runs(current_graph()):
                 spin_for(WATCHED)
-            self._live_scene.follow()
+            self._live_scene.extend()
 
     def end(self) -> None:
         """Finish the scene of the current viewer."""
@@ -359,7 +359,7 @@ def begin(lesson: str, folder: str, link: str) -> None:
     scenes = Scenes(lesson, Path(folder), link)
     shell: Any = get_ipython()
     formatter = shell.display_formatter.mimebundle_formatter
-    shell.events.register("post_run_cell", scenes.follow)
+    shell.events.register("post_run_cell", scenes.extend_live_scene)
     formatter.for_type(Viewer, scenes.add_viewer)
     formatter.for_type(SceneWidget, scenes.add_widget)
     formatter.for_type(RestingView, scenes.add_resting_view)

@@ -83,13 +83,13 @@ class LaunchRecord:
     Args:
         defaults: Default value of each declared argument; None for an argument without a default.
         started: The nodes, in the order in which they were started.
-        others: The nodes started with other values of the arguments.
+        other_values: The nodes started with other values of the arguments.
         error: The error text of `ros2 launch`, or "".
     """
 
     defaults: Mapping[str, str | None] = field(default_factory=dict)
     started: tuple[StartedNode, ...] = ()
-    others: tuple[OtherValue, ...] = ()
+    other_values: tuple[OtherValue, ...] = ()
     error: str = ""
 
     def as_plain(self) -> dict[str, Any]:
@@ -99,7 +99,8 @@ class LaunchRecord:
                 "defaults": dict(self.defaults),
                 "started": [_encode_node(node) for node in self.started],
                 "others": [
-                    [run.argument, run.value, list(map(_encode_node, run.started))] for run in self.others
+                    [other.argument, other.value, list(map(_encode_node, other.started))]
+                    for other in self.other_values
                 ],
                 "error": self.error,
             }

@@ -35,8 +35,8 @@ from course_lib.grading.task import Row, Scenario
 from course_lib.third_party import read_json
 
 # The structure of a result's file. Files of the kit up to 0.3 have no version, and all fields in
-# one object. In version 2, some fields have other names.
-VERSION = 3
+# one object. Before version 4, some fields have other names.
+VERSION = 4
 DAY = 86_400  # [s]
 RECEIPT_TIME, UNKNOWN = "receipt", "unknown"  # sources of a time of receipt
 # How the ID in a file compares with its student: `Submission.id_flag`.
@@ -53,7 +53,7 @@ OLD_LATE = ("percent_per_day", "max_percent", "accepted_days")
 OLD_JUDGEMENT = ("tasks", "isolation", "cell_errors", "output", "digests", "limit")
 RENAMED_FIELDS = {
     "claimed": "claimed_id", "named": "relative_path", "refused": "rejected_files",
-    "hidden": "is_hidden", "bonus": "is_bonus",
+    "hidden": "is_hidden", "bonus": "is_bonus", "handed_in_as": "download_path",
 }  # fmt: skip
 NO_PENALTY = LatePolicy(0.0)
 
@@ -68,7 +68,7 @@ class ReceiptTime:
         late: Whether the platform marks it as late; None if unknown.
         receipt: The time in the file of `course submit`, written by the student's machine.
         notes: Notes on times that could not be used.
-        handed_in_as: The path in the platform's download, or "".
+        download_path: The path in the platform's download, or "".
     """
 
     time: datetime | None
@@ -76,7 +76,7 @@ class ReceiptTime:
     late: bool | None = None
     receipt: datetime | None = None
     notes: tuple[str, ...] = ()
-    handed_in_as: str = ""
+    download_path: str = ""
 
     @property
     def is_trusted(self) -> bool:
@@ -541,7 +541,7 @@ def _rename_fields(content: Any) -> Any:
 def _from_version_1(content: Mapping[str, Any]) -> dict[str, Any]:
     """Convert the content of a result's file of version 0.3 to the current structure."""
     when = {new: content.get(old_name) for new, old_name in OLD_RECEIVED.items()}
-    when["handed_in_as"] = content.get("handed_in_as", "")
+    when["download_path"] = content.get("download_path", "")
     submission = {name: content[name] for name in OLD_SUBMISSION if name in content}
     submission |= {"path": content.get("file"), "received": when}
     late_policy = {name: content[name] for name in OLD_LATE if name in content}

@@ -29,7 +29,7 @@ def test_scene_is_compacted_once(graph: Graph, tmp_path: Path, monkeypatch: pyte
     scenes, viewer = kernel.Scenes("week09", tmp_path, "scenes"), Viewer()
     publish(graph, "/m", marker())
     scenes.add_viewer(viewer)
-    scenes.follow()
+    scenes.extend_live_scene()
     scenes.add_resting_view(viewer.freeze())
     scenes.write()
     assert sorted(path.name for path in tmp_path.glob("week09*.js")) == ["week09-01.js", "week09-02.js"]

@@ -236,9 +236,11 @@ def test_resubmission_clears_an_earlier_rejection(tmp_path: Path) -> None:
 def test_rejection_in_a_list_of_an_earlier_version_is_read_and_kept(tmp_path: Path) -> None:
     collected(tmp_path, {"Ada": {NAME: work(1)}, "Bob": {"report.pdf": b"1"}})
     path = tmp_path / "out/received.csv"
-    path.write_text(path.read_text().replace(",rejected\n", ",refused\n", 1))
-    _, bob = find_submissions(tmp_path / "out", with_rejected=True)
+    text = path.read_text().replace(",rejected\n", ",refused\n", 1)
+    path.write_text(text.replace(",download_path,", ",handed_in_as,", 1))
+    ada, bob = find_submissions(tmp_path / "out", with_rejected=True)
     assert "unsupported file type" in bob.problem
+    assert ada.received.download_path.endswith(NAME)
     collected(tmp_path, {"Ada": {NAME: work(1)}})
     _, bob = find_submissions(tmp_path / "out", with_rejected=True)
     assert "unsupported file type" in bob.problem

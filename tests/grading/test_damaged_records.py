@@ -46,7 +46,7 @@ OLD_RESULT: dict[str, Any] = {
     "student": "ada", "exercise": "week01_exercise", "claimed": "ada", "sha256": "5e", "problem": "",
     "key": "k", "twins": [], "values_of": "ada", "id_flag": "", "id_note": "",
     "file": "ada/week01_exercise.ipynb", "received": "2026-10-13T10:00:00+02:00",
-    "received_from": "received.csv", "late": None, "receipt_time": None, "handed_in_as": "",
+    "received_from": "received.csv", "late": None, "receipt_time": None, "handed_in_as": "Ada/w.ipynb",
     "status": "graded", "reason": "", "message": "", "days_late": 2, "percent_per_day": 10.0,
     "notes": ["a note"], "remark": "", "rules": "r", "digest": "d", "tasks": [OLD_TASK], "isolation": "full",
     "attempts": [{"key": "k", "received": "{}", "id_flag": "", "final": 40.0}], "cell_errors": [],

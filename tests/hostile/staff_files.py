@@ -29,7 +29,7 @@ PIECES = (
 )  # fmt: skip
 TABLES = {
     "roster": "id,name,email,section,group,login\nada1,Ada,ada@x.org,1,g1,ada\nbob2,Bob,bob@x.org,1,g1,bob\n",
-    "received": "file,received,late,source,name,handed_in_as,id_from\n"
+    "received": "file,received,late,source,name,download_path,id_from\n"
     "ada1/week01_exercise.ipynb,2026-10-11T23:59:00+02:00,no,x,Ada,x,roster\n",
     "worksheet": 'Identifier,Full name,ID number,"Last modified (submission)",Grade\n'
     'Participant 101,Ada,ada1,"Sunday, 8 March 2026, 11:59 PM",\n'

@@ -330,7 +330,7 @@ def _find_reports(
     names_by_result = dict[int, PlatformName | None]()
     for result in results:
         # The path in the platform's download, as stored in received.csv.
-        parts = result.result.submission.received.handed_in_as.lstrip("'").split("/")
+        parts = result.result.submission.received.download_path.lstrip("'").split("/")
         parsed = (file for part in parts if (file := platform_name(part)))
         names_by_result[id(result)] = next((f for f in parsed if f.platform in form.platforms), None)
     if not any(names_by_result.values()):

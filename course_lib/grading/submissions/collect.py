@@ -42,7 +42,7 @@ from course_lib.grading.submissions.submission import (
     COLUMNS,
     ID_FROM,
     LIST,
-    OLD_REJECTED,
+    OLD_COLUMNS,
     PLATFORM,
     ROSTER,
     UNFINISHED,
@@ -513,7 +513,7 @@ class Store:
             "late": LATE_TEXTS[download_name.late],
             "source": escape_formula(source),
             "name": escape_formula(download_name.name),
-            "handed_in_as": escape_formula(download_name.handed_in_as),
+            "download_path": escape_formula(download_name.download_path),
             ID_FROM: ROSTER if download_name.is_named or self.exports.id_of(download_name) else PLATFORM,
         }
 
@@ -564,7 +564,7 @@ def _read_rows(path: Path) -> dict[str, dict[str, str]]:
         return {}
     with path.open(newline="", encoding="utf-8-sig") as file:
         return {
-            row["file"]: {**row, "rejected": row.get("rejected") or row.get(OLD_REJECTED) or ""}
+            row["file"]: row | {new: row[old] for new, old in OLD_COLUMNS.items() if old in row}
             for row in csv.DictReader(file)
         }
 

@@ -135,7 +135,7 @@ class DownloadName:
         time: The time of submission, if the platform writes it.
         late: Canvas's flag; None for other platforms.
         attachment: Canvas's number of the file.
-        handed_in_as: The path in the download, for platforms to which feedback is returned.
+        download_path: The path in the download, for platforms to which feedback is returned.
         is_named: True if the student's ID is known from the platform or the instructor, instead of
             being derived from the platform's key.
     """
@@ -150,7 +150,7 @@ class DownloadName:
     time: datetime | None = None
     late: bool | None = None
     attachment: str = ""
-    handed_in_as: str = ""
+    download_path: str = ""
     is_named: bool = False
 
     @property

@@ -74,10 +74,10 @@ UNFINISHED = ".collecting"  # exists while `course collect` writes the folder
 ID_FROM = "id_from"  # whether the student's ID is from the roster
 ROSTER, PLATFORM = "roster", "platform"  # values of the column ID_FROM in received.csv
 COLUMNS = (
-    "file", "received", "late", "source", "name", "handed_in_as", ID_FROM, "exercise", "rejected",
+    "file", "received", "late", "source", "name", "download_path", ID_FROM, "exercise", "rejected",
 )  # fmt: skip
-# The last column in files of earlier versions.
-OLD_REJECTED = "refused"
+# Columns of received.csv that had other names in earlier versions.
+OLD_COLUMNS = {"rejected": "refused", "download_path": "handed_in_as"}
 # levels below the top: STUDENT/ in folders made by hand, and nbgrader's STUDENT/ASSIGNMENT/
 STAMP_DEPTHS = (1, 2)
 MAX_STAMP = 200  # [B] limit on the size of a time stamp file
@@ -95,7 +95,7 @@ class Entry:
     source: str = ""
     late: bool | None = None
     note: str = ""
-    handed_in_as: str = ""
+    download_path: str = ""
     exercise: str = ""
     rejection: str = ""
 
@@ -163,8 +163,8 @@ class Ledger:
             source = f"{LIST}: the platform's flag only"
         elif time is None:
             time, source = (receipt_time, RECEIPT_TIME) if receipt_time else (None, UNKNOWN)
-        original_name = entry.handed_in_as if entry else ""
-        return ReceiptTime(time, source, is_late, receipt_time, tuple(notes), original_name)
+        download_path = entry.download_path if entry else ""
+        return ReceiptTime(time, source, is_late, receipt_time, tuple(notes), download_path)
 
     @property
     def rejected_files(self) -> Mapping[str, Entry]:
@@ -194,7 +194,7 @@ def _entries(path: Path, zone: ZoneInfo) -> dict[Path, Entry]:
     file = LmsFile.read(path)
     if missing := {"file", "received"} - set(file.headings):
         raise CourseError(f"{path} has no column {min(missing)!r}. Expected {EXAMPLES[LIST]}")
-    headings = [heading for heading in (*COLUMNS, OLD_REJECTED) if heading in file.headings]
+    headings = [heading for heading in (*COLUMNS, *OLD_COLUMNS.values()) if heading in file.headings]
     places = {heading: file.headings.index(heading) for heading in headings}
     rows = [{key: file.text(row, place) for key, place in places.items()} for row in range(1, len(file.rows))]
     times = parse_times([row["received"] for row in rows], zone)
@@ -205,10 +205,11 @@ def _entries(path: Path, zone: ZoneInfo) -> dict[Path, Entry]:
             note = f"{LIST}, row {number}: {row['received']!r} is not a time. Expected {EXAMPLES[LIST]}"
         source = f"{LIST} ({row['source']})" if row.get("source") else LIST
         is_late = {"yes": True, "no": False}.get(row.get("late", "").casefold())
-        original_name = row.get("handed_in_as", "")
+        row |= {new: row[old] for new, old in OLD_COLUMNS.items() if old in row}
+        download_path = row.get("download_path", "")
         exercise = row.get("exercise", "").lstrip("'")
-        rejection = (row.get("rejected") or row.get(OLD_REJECTED, "")).lstrip("'")
-        entry = Entry(time, source, is_late, note, original_name, exercise, rejection)
+        rejection = row.get("rejected", "").lstrip("'")
+        entry = Entry(time, source, is_late, note, download_path, exercise, rejection)
         entries[path.parent / row["file"]] = entry
     return entries
 

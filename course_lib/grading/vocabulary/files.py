@@ -139,7 +139,7 @@ def _is_forwarded(record: LaunchRecord, node: StartedNode, option: str, argument
     """Return whether an option's value equals the launch argument, including for another value of it."""
     if record.defaults.get(argument) != node.options.get(option):
         return False
-    for other in record.others:
+    for other in record.other_values:
         if other.argument == argument:
             same = {(n.package, n.executable): n for n in reversed(other.started)}
             other_node = same.get((node.package, node.executable))

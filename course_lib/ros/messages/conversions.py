@@ -23,48 +23,48 @@ _STRING_NOTE = "<string length: <{}>>"
 class _PublishTimes:
     """Whether "auto" and "now" are the time of publishing, and functions that set these times."""
 
-    header_auto: bool
-    time_now: bool
+    expand_header_auto: bool
+    expand_time_now: bool
     setters: list[SetTime] = field(default_factory=list)
 
 
 def set_fields(
-    message: RosMessage, values: Any, *, header_auto: bool = True, time_now: bool = True
+    message: RosMessage, values: Any, *, expand_header_auto: bool = True, expand_time_now: bool = True
 ) -> list[SetTime]:
     """Set fields from dicts, lists and numbers. Raise ROS's exceptions.
 
     Args:
         message: The message to fill.
         values: The fields by name.
-        header_auto: Whether a header may be "auto".
-        time_now: Whether a time may be "now".
+        expand_header_auto: Whether a header may be "auto".
+        expand_time_now: Whether a time may be "now".
 
     Returns:
         Functions that set the times given as "now", or with a header as "auto".
     """
-    clock = _PublishTimes(header_auto, time_now)
-    _set(message, values, clock)
-    return clock.setters
+    publish_times = _PublishTimes(expand_header_auto, expand_time_now)
+    _set(message, values, publish_times)
+    return publish_times.setters
 
 
-def _set(message: RosMessage, values: Any, clock: _PublishTimes) -> None:
+def _set(message: RosMessage, values: Any, publish_times: _PublishTimes) -> None:
     if not isinstance(values, dict):
         raise TypeError(f"Value '{values}' is expected to be a dictionary but is a {type(values).__name__}")
     items = {f.name: f.base for f in definition(type_name(message)).fields if f.is_message}
     for name, value in values.items():
         present = getattr(message, name)
         kind = type_name(present) if isinstance(present, RosMessage) else None
-        if (kind, value) == ("std_msgs/msg/Header", "auto") and clock.header_auto:
-            clock.setters.append(partial(setattr, present, "stamp"))
-        elif (kind, value) == ("builtin_interfaces/msg/Time", "now") and clock.time_now:
-            clock.setters.append(partial(setattr, message, name))
+        if (kind, value) == ("std_msgs/msg/Header", "auto") and publish_times.expand_header_auto:
+            publish_times.setters.append(partial(setattr, present, "stamp"))
+        elif (kind, value) == ("builtin_interfaces/msg/Time", "now") and publish_times.expand_time_now:
+            publish_times.setters.append(partial(setattr, message, name))
         elif name in items:
             messages = []
             for item in [value] if kind else value:
                 inner = item
                 if not isinstance(item, RosMessage) or type_name(item) != items[name]:
                     inner = message_class(items[name])()
-                    _set(inner, item, clock)
+                    _set(inner, item, publish_times)
                 messages.append(inner)
             setattr(message, name, messages[0] if kind else messages)
         # As in ROS, a YAML value is converted to the type of the field's current value.

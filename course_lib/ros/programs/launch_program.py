@@ -85,7 +85,7 @@ class Placeholder(Action, Substitution):
     `origin` is its name in the module.
     """
 
-    continues = True
+    is_asynchronous = True
 
     def __init__(self, origin: str) -> None:
         Action.__init__(self)
@@ -496,7 +496,7 @@ class LaunchProgram(Process):
         self.log("WARNING", "launch", f"{name} is left out: {text}")
         is_known = action in self._skipped or len(self._skipped) > _MAX_SKIPPED
         self._skipped[action] = reason
-        if action.continues and not is_known:
+        if action.is_asynchronous and not is_known:
             details: Any = {"action": action, "name": "", "cmd": [], "cwd": None, "env": None, "pid": 0}
             self.emit(events.ProcessStarted(**details))
             self.emit(events.ProcessExited(returncode=0, **details))

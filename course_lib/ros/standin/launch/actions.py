@@ -271,7 +271,7 @@ class ExecuteLocal(Action):
         options: `condition`; other options, such as `output`, have no effect here.
     """
 
-    continues = True
+    is_asynchronous = True
 
     def __init__(
         self,
@@ -384,7 +384,7 @@ class OpaqueCoroutine(DataAction):
     It receives the context unless `ignore_context`.
     """
 
-    continues = True
+    is_asynchronous = True
     coroutine: Callable[..., Coroutine[Any, Any, None]]
     args: Iterable[Any] | None = None
     kwargs: Mapping[str, Any] | None = None
@@ -474,7 +474,7 @@ class TimerAction(Action):
     `cancel_on_shutdown` has no effect here: a shutdown of the launch always cancels the timer.
     """
 
-    continues = True
+    is_asynchronous = True
 
     def __init__(
         self,

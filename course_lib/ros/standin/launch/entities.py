@@ -183,7 +183,7 @@ class Action(LaunchDescriptionEntity):
     """
 
     # Whether the action is still running after `execute` returns.
-    continues = False
+    is_asynchronous = False
     # The name, pid and cmd of its last process, or None.
     process_details: dict[str, Any] | None = None
 
@@ -208,7 +208,7 @@ class Action(LaunchDescriptionEntity):
         if self.condition is not None and not self.condition.evaluate(context):
             return None
         entities = self.execute(context)
-        if not self.continues:
+        if not self.is_asynchronous:
             context.complete(self)
         return entities
 

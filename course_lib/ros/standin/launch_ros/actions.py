@@ -235,7 +235,7 @@ class Node(Action):
             here.
     """
 
-    continues = True
+    is_asynchronous = True
 
     def __init__(
         self,

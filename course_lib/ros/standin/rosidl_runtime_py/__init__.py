@@ -70,7 +70,7 @@ def set_message_fields(
     Returns:
         Functions that set the headers given as "auto" and the times given as "now".
     """
-    return set_fields(msg, values, header_auto=expand_header_auto, time_now=expand_time_now)
+    return set_fields(msg, values, expand_header_auto=expand_header_auto, expand_time_now=expand_time_now)
 
 
 def get_interface_packages() -> dict[str, str]:
