@@ -1,10 +1,16 @@
 """Executors for the stages `run` and `judge`: this process, a pool of processes, or Dask."""
 
+import faulthandler
+import io
 import multiprocessing
 import os
+import pickle
+import re
 import signal
 import sys
+import tempfile
 import threading
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from concurrent.futures import ProcessPoolExecutor as Pool
@@ -12,11 +18,12 @@ from concurrent.futures import ThreadPoolExecutor as Threads
 from contextlib import contextmanager
 from functools import partial
 from multiprocessing import resource_tracker
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 from course_lib.errors import CourseError
 
 Tag = TypeVar("Tag")
+Result = TypeVar("Result")
 TRIES = 2
 CONNECT_SECONDS = 10  # [s]
 _INTERRUPT = {signal.SIGINT}
@@ -161,3 +168,75 @@ def flow(
 def _take_results(pending: dict[Future[Any], Tag]) -> Iterator[tuple[Tag, Future[Any]]]:
     for future in wait(pending, return_when=FIRST_COMPLETED).done:
         yield pending.pop(future), future
+
+
+CAN_FORK = sys.platform == "linux"  # the frameworks of macOS don't survive a fork
+_CRASH_LINE = re.compile(r'File "([^"]+)", line (\d+)')
+
+
+class ChildDiedError(CourseError):
+    """Raised if a forked process ends before its function returns.
+
+    Args:
+        reason: How it ended, "it ends the process with SIGSEGV".
+        places: The files and lines that it ran, innermost first; empty if it was killed.
+    """
+
+    def __init__(self, reason: str, places: Sequence[tuple[str, int]]) -> None:
+        super().__init__(reason)
+        self.places = tuple(places)
+
+
+def call_in_child(function: Callable[[], Result]) -> Result:
+    """Call a function in a fork of this process, and return its result.
+
+    Code of the course runs in the process of the grader, where a crash of C code would end the
+    grading of a class without a word. A fork that crashes can be reported.
+
+    Raises:
+        ChildDiedError: The process of the function crashed or was killed.
+        CourseError: The function raised an exception, of any type.
+    """
+    reader, writer = os.pipe()
+    with tempfile.TemporaryFile("w+") as crash, open(reader, "rb") as answer:
+        with warnings.catch_warnings():
+            # Python 3.12 warns if other threads run. The function must not need their locks.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            child = os.fork()
+        if child == 0:
+            _answer(function, writer, crash)
+        os.close(writer)
+        try:
+            data = answer.read()
+            code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        except BaseException:
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+            raise
+        crash.seek(0)
+        places = [(match[1], int(match[2])) for match in _CRASH_LINE.finditer(crash.read())]
+    if code != 0:
+        how = signal.Signals(-code).name if code < 0 else f"the exit code {code}"
+        raise ChildDiedError(f"it ends the process with {how}", places)
+    result, error = pickle.loads(data)
+    if error:
+        raise CourseError(error)
+    return result  # type: ignore[no-any-return]
+
+
+def _answer(function: Callable[[], object], writer: int, crash: Any) -> NoReturn:
+    """Write the result of a function, or its error, into a pipe, and end this forked process."""
+    try:
+        # The streams may be locked by a thread that the fork does not have.
+        sys.stdout = sys.stderr = io.StringIO()
+        faulthandler.enable(crash, all_threads=False)
+        try:
+            answer = pickle.dumps((function(), ""))
+        except BaseException as error:
+            # sys.exit() and Ctrl+C must not run the parent's code in this process.
+            answer = pickle.dumps((None, f"{type(error).__name__}: {error}"))
+        with open(writer, "wb") as file:
+            file.write(answer)
+        os._exit(0)
+    finally:
+        os._exit(1)

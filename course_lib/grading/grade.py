@@ -19,10 +19,11 @@ import shutil
 import signal
 import sys
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from types import FrameType
 
@@ -31,15 +32,24 @@ from course_lib.course.exercise import exercise_from, notebook_text, read_notebo
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
 from course_lib.grading import store
-from course_lib.grading.executors import executors, flow
+from course_lib.grading.executors import call_in_child, executors, flow
 from course_lib.grading.jail.filters import Need
-from course_lib.grading.judge import judge
+from course_lib.grading.judge import judge, judge_in_child
 from course_lib.grading.marks import GradebookRow, MarkedResult, mark, read_marks, stored_result
 from course_lib.grading.records import Fault, Judgement, Result, Submission
 from course_lib.grading.reports.rendering import join_few, printable, say
 from course_lib.grading.reports.report import has_page, report
 from course_lib.grading.reports.tables import review_reasons, write_check_times, write_tables
-from course_lib.grading.run.run import Job, StoredRun, plan_scenarios, prepare, run, store_evidence, unpack
+from course_lib.grading.run.run import (
+    ExerciseRun,
+    Job,
+    StoredRun,
+    plan_scenarios,
+    prepare,
+    run,
+    store_evidence,
+    unpack,
+)
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.submissions.copies import compare_class
 from course_lib.grading.submissions.notebook import parse_notebook
@@ -53,6 +63,7 @@ from course_lib.grading.submissions.submission import (
     store_submission_folders,
     unfinished_lines,
 )
+from course_lib.grading.task import Catalog, Task
 
 STUDENT = "preflight"  # the student ID that determines the personal values
 FOLDER = "preflight"  # subfolder of the results
@@ -153,7 +164,7 @@ def judge_trial(trial: Trial, course: store.Course, evidence_file: Path) -> str:
     catalog = store.catalog_of(course)
     tasks = catalog.tasks_of_week(trial.exercise.split("_")[0])
     evidence = unpack(evidence_file.read_bytes(), plan_scenarios(tasks, catalog, with_hidden=True))
-    judgement = judge(evidence, tasks, catalog)
+    judgement = judge_in_child(evidence, tasks, catalog)
     marked_tasks = [task for task in judgement.tasks if not task.rubric]
     is_solution = trial.name == "solution"
     wrong = [r for r in marked_tasks if (r.score < r.points if is_solution else r.score > 0)]
@@ -246,6 +257,7 @@ GRADED = ("graded", "needs_marking", "limit")
 NO_REPORT = "No report could be written"
 MEND = "Correct the check and grade with --rejudge, or give the task's points with `course mark`."
 Faults = Mapping[str, Fault]  # by the key of the missing evidence
+Judge = Callable[[ExerciseRun, Sequence[Task], Catalog], Judgement]
 
 
 def grade(
@@ -441,16 +453,28 @@ def _grade_all(work: Pending, jobs: int, dask: str | None) -> Iterator[Gradebook
             say(note)
         ran = flow(runner, run, ((key, [job]) for key, job in work.missing.items()), window)
         ready = _await_evidence(work, ran)
-        calls = ((attempts, (attempts, faults, course, out, work.resume)) for attempts, faults in ready)
-        for attempts, future in flow(judge_executor, judge_mark_report, calls, window):
+        calls = ((pair, (*pair, course, out, work.resume)) for pair in ready)
+        for (attempts, faults), future in flow(judge_executor, judge_mark_report, calls, window):
             try:
                 yield future.result()
             except store.RecordsWriteError:
                 raise
             except Exception as error:
-                # The judging process died, so the records are written here, with the reason.
-                faults = dict.fromkeys((s.key for s in attempts.submissions), Fault.from_error(error))
-                yield judge_mark_report(attempts, faults, course, out)
+                yield _grade_in_child(attempts, faults, course, out, error)
+
+
+def _grade_in_child(
+    attempts: Attempts, faults: Faults, course: store.Course, out: Path, error: Exception
+) -> GradebookRow:
+    """Judge, mark and report one student whose judging process died, and name the check that ended it.
+
+    If the forked process dies, too, the records are written here, with the error.
+    """
+    try:
+        return call_in_child(partial(judge_mark_report, attempts, faults, course, out, judge=judge_in_child))
+    except CourseError:
+        missing = dict.fromkeys((s.key for s in attempts.submissions), Fault.from_error(error))
+        return judge_mark_report(attempts, missing, course, out)
 
 
 def _await_evidence(
@@ -480,7 +504,12 @@ def _await_evidence(
 
 
 def judge_mark_report(
-    attempts: Attempts, faults: Faults, course: store.Course, out: Path, resume: bool = False
+    attempts: Attempts,
+    faults: Faults,
+    course: store.Course,
+    out: Path,
+    resume: bool = False,
+    judge: Judge = judge,
 ) -> GradebookRow:
     """Judge, mark and report one student's attempts, whose evidence is stored.
 
@@ -491,6 +520,7 @@ def judge_mark_report(
         out: The folder of records.
         resume: Reuse the stored result if its digest matches the attempts; otherwise reuse its
             judgement if the checks are the same.
+        judge: Judges the evidence of one attempt.
 
     Raises:
         RecordsWriteError: The folder can't be written.
@@ -505,7 +535,7 @@ def judge_mark_report(
             {stored.submission.key: stored.judgement} if stored and stored.rules == attempts.rules else {}
         )
         fresh = {
-            submission.key: _judge_one(submission, faults, course, out)
+            submission.key: _judge_one(submission, faults, course, out, judge)
             for submission in attempts.submissions
             if not known_judgements.get(submission.key)
         }
@@ -537,6 +567,7 @@ def _judge_one(
     faults: Faults,
     course: store.Course,
     out: Path,
+    judge: Judge,
 ) -> Judgement | Fault | None:
     """Judge stored evidence.
 
@@ -571,6 +602,9 @@ def _finish(
         marked_results = write_tables(out, zone)
     results = [result.result for result in marked_results]
     for line in _result_lines(results):
+        for folder in (work.course.exercises, work.course.solutions):
+            # Results have no paths of this machine, but whoever corrects a check needs one.
+            line = line.replace(f" {folder.name}/checks/", f" {folder}/checks/")
         say(line)
     statuses = sorted(Counter(row.status for row in rows).items())
     counts = ", ".join(f"{number} {status}" for status, number in statuses)

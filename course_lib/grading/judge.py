@@ -1,13 +1,16 @@
 """The stage `judge`: pure functions from evidence to scores, equal for equal evidence."""
 
+import mmap
 import time
 import traceback
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_lib.grading.evidence import Check, Evidence, Verdict, all_checks
+from course_lib.grading.executors import CAN_FORK, ChildDiedError, call_in_child
 from course_lib.grading.records import CheckResult, Judgement, Run, TaskResult
 from course_lib.grading.task import Catalog, Task, limit_course_code
 
@@ -29,10 +32,70 @@ CANNOT_JUDGE = (
 HIDDEN_ERROR = "in a hidden scenario the code raises an exception, or ends too early"
 
 
-def judge(run: "ExerciseRun", tasks: Sequence[Task], catalog: Catalog) -> Judgement:
-    """Judge the evidence of a submission with the checks of its tasks."""
+@dataclass
+class CrashLog:
+    """The checks that ended a process in which they judged a submission.
+
+    Checks have numbers in the order in which a submission is judged, which is the same in each
+    process.
+
+    Args:
+        reasons: How a check ended the process, by its number.
+    """
+
+    reasons: dict[int, str] = field(default_factory=dict)
+    _running: mmap.mmap = field(default_factory=lambda: mmap.mmap(-1, 8))  # shared with forks
+
+    @property
+    def running(self) -> int:
+        """The number of the check that runs, or of the last one that ran; 0 before the first."""
+        return int.from_bytes(self._running[:], "little")
+
+    def begin(self) -> str:
+        """Begin the next check, and return how it ended an earlier process, or ""."""
+        number = self.running + 1
+        self._running[:] = number.to_bytes(8, "little")
+        return self.reasons.get(number, "")
+
+    def restart(self, reason: str) -> bool:
+        """Add the running check, and return whether that may help: it was not in the log before."""
+        is_new = self.running not in self.reasons
+        self.reasons[self.running] = reason
+        self._running[:] = bytes(8)
+        return is_new
+
+
+def judge_in_child(run: "ExerciseRun", tasks: Sequence[Task], catalog: Catalog) -> Judgement:
+    """Judge like `judge`, in a fork of this process that a check may crash.
+
+    A check that ends the process is broken, like one that raises an exception. Each fork decodes
+    all messages anew, so this is for submissions that have ended a process before.
+    """
+    log = CrashLog()
+    while CAN_FORK:
+        try:
+            return call_in_child(partial(judge, run, tasks, catalog, log))
+        except ChildDiedError as error:
+            places = [f"{'/'.join(Path(file).parts[-3:])} line {line}: " for file, line in error.places]
+            place = next((place for place in places if "/checks/" in place), "")
+            if not log.restart(f"{place}{error}"):
+                raise
+    return judge(run, tasks, catalog)
+
+
+def judge(
+    run: "ExerciseRun", tasks: Sequence[Task], catalog: Catalog, log: CrashLog | None = None
+) -> Judgement:
+    """Judge the evidence of a submission with the checks of its tasks.
+
+    Args:
+        run: The evidence.
+        tasks: The tasks of the exercise.
+        catalog: The course's catalog.
+        log: The checks that crashed before; they are not run.
+    """
     results = tuple(
-        judge_task(task, *catalog.points(task), [r for r in run.runs if r.evidence.task == task.id])
+        judge_task(task, *catalog.points(task), [r for r in run.runs if r.evidence.task == task.id], log)
         for task in tasks
     )
     return Judgement(
@@ -45,9 +108,11 @@ def judge(run: "ExerciseRun", tasks: Sequence[Task], catalog: Catalog) -> Judgem
     )
 
 
-def judge_task(task: Task, points: float, is_bonus: bool, runs: Sequence[Run]) -> TaskResult:
+def judge_task(
+    task: Task, points: float, is_bonus: bool, runs: Sequence[Run], log: CrashLog | None = None
+) -> TaskResult:
     """Judge all runs of a task. A check that raises an exception loses only its own points."""
-    judge = _Judge()
+    judge = _Judge(log)
     checks = tuple(result for run in runs for result in judge.results(run))
     if task.rubric:
         # A person marks this task, so the checks only report.
@@ -67,7 +132,8 @@ def judge_task(task: Task, points: float, is_bonus: bool, runs: Sequence[Run]) -
 class _Judge:
     """The judge of one task, with a limit of processor time for all of its checks."""
 
-    def __init__(self) -> None:
+    def __init__(self, log: CrashLog | None) -> None:
+        self._log = log
         self._remaining = TASK_SECONDS
         self._verdicts: dict[Callable[[Evidence], Verdict], Verdict] = {}  # verdicts of the current run
         self._seconds: dict[Callable[[Evidence], Verdict], float] = {}
@@ -122,6 +188,8 @@ class _Judge:
     def _run_check(self, check: Check, evidence: Evidence) -> Verdict:
         begin = time.process_time()
         try:
+            if self._log and (crash := self._log.begin()):
+                return Verdict(0.0, CANNOT_JUDGE, CANNOT_JUDGE, crash)
             with limit_course_code(max(min(CHECK_SECONDS, self._remaining), LEAST_SECONDS)):
                 verdict = check.judge(evidence)
                 if not isinstance(verdict, Verdict):

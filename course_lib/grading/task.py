@@ -26,6 +26,7 @@ from course_lib.course.course_file import CourseFile, read_course_file
 from course_lib.course.material import ASSETS, asset_files, exercises_dir
 from course_lib.errors import CourseError, did_you_mean, format_count, location_of
 from course_lib.grading.evidence import Check, all_checks
+from course_lib.grading.executors import CAN_FORK, ChildDiedError, call_in_child
 from course_lib.ros.messages.definitions import add_package, field_definitions
 from course_lib.ros.programs.packages import MANIFEST, has_interfaces, packages_below, prepend_paths
 from course_lib.third_party import read_text
@@ -475,6 +476,8 @@ LOAD_SECONDS = 30.0
 COURSE_CODE_BYTES = 6_000_000_000
 # Functions of `os` that end or duplicate the grader before an exception could name their line.
 FATAL_CALLS = ("_exit", "abort", "fork", "forkpty", "execv", "execve")
+# Functions that send a signal, for which the same holds if this process receives it.
+SIGNAL_CALLS = ("kill", "killpg")
 
 
 class _TimeLimitError(BaseException):
@@ -532,15 +535,27 @@ def limit_course_code(seconds: float) -> Iterator[None]:
     """Turn what ends or stops the grader in a check file into an exception with its line.
 
     Check files are trusted, but a mistake in one of them must not stop the class: an endless loop,
-    `input()`, a huge array, or `os._exit` and `os.fork` of copied code.
+    `input()`, a huge array, `os._exit`, `os.fork` or `os.kill` of copied code, or a thread that
+    the grader would wait for when it ends.
 
     Raises:
         TimeoutError: See `time_limit`.
     """
-    calls = {name: getattr(os, name) for name in FATAL_CALLS if hasattr(os, name)}
+    calls = {name: getattr(os, name) for name in (*FATAL_CALLS, *SIGNAL_CALLS) if hasattr(os, name)}
+    raise_signal, start_thread = signal.raise_signal, threading.Thread.start
 
     def reject(name: str, *_: Any) -> NoReturn:
-        raise RuntimeError(f"os.{name} would end or duplicate the grader: remove this call")
+        raise RuntimeError(f"{name} would end or duplicate the grader: remove this call")
+
+    def send(name: str, target: int, number: int) -> None:
+        # Other processes may get signals: subprocess.run() ends a program after its timeout.
+        if target <= 0 or target in (os.getpid(), os.getppid(), os.getpgrp()):
+            reject(f"os.{name}({target}, {number})")
+        calls[name](target, number)
+
+    def start(thread: threading.Thread) -> None:
+        thread.daemon = True
+        start_thread(thread)
 
     used, old_limits = Path("/proc/self/statm"), (0, 0)
     if used.is_file():
@@ -553,13 +568,17 @@ def limit_course_code(seconds: float) -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_AS, (soft_limit, old_limits[1]))
     keyboard, sys.stdin = sys.stdin, StringIO()
     for name in calls:
-        setattr(os, name, partial(reject, name))
+        setattr(os, name, partial(send, name) if name in SIGNAL_CALLS else partial(reject, f"os.{name}"))
+    signal.raise_signal = partial(reject, "signal.raise_signal")
+    threading.Thread.start = start  # type: ignore[method-assign]
     try:
         with time_limit(seconds):
             yield
     finally:
         for name, function in calls.items():
             setattr(os, name, function)
+        signal.raise_signal = raise_signal
+        threading.Thread.start = start_thread  # type: ignore[method-assign]
         sys.stdin = keyboard
         if used.is_file():
             resource.setrlimit(resource.RLIMIT_AS, old_limits)
@@ -569,9 +588,23 @@ def _run_check_file(path: Path, *, is_limited: bool) -> dict[str, Any]:
     """Return the names of a check file. In a student's kernel it runs without limits."""
     if not path.is_file():
         raise CourseError(f"{path} is missing: every week with points in course.toml needs a check file")
-    try:
+
+    def run() -> dict[str, Any]:
         with limit_course_code(LOAD_SECONDS) if is_limited else nullcontext():
             return runpy.run_path(str(path))
+
+    if is_limited and CAN_FORK:
+        # Only another process can report a crash of C code, as by ctypes. Exceptions are raised
+        # again below, where they have a traceback.
+        try:
+            call_in_child(lambda: len(run()))
+        except ChildDiedError as error:
+            line = next((f" line {line}" for file, line in error.places if file == str(path)), "")
+            raise CourseError(f"{path}{line}: {error}. Correct or remove this code") from None
+        except CourseError:
+            pass
+    try:
+        return run()
     except SyntaxError as error:
         raise CourseError(f"{error.filename} line {error.lineno}: SyntaxError: {error.msg}") from error
     except CourseError as error:

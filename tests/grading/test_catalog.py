@@ -1,5 +1,6 @@
 import os
 import sys
+import threading
 
 import pytest
 
@@ -191,6 +192,10 @@ def test_missing_course_file_is_reported(course: Course) -> None:
         ("input()", "EOFError: "),
         ("import os; os._exit(0)", r"RuntimeError: os\._exit would end or duplicate the grader"),
         ("import os; os.fork()", r"RuntimeError: os\.fork would end"),
+        ("import os; os.kill(os.getpid(), 9)", r"RuntimeError: os\.kill\(\d+, 9\) would end"),
+        ("import signal; signal.raise_signal(9)", r"RuntimeError: signal\.raise_signal would end"),
+        ("import ctypes; ctypes.string_at(0)", "it ends the process with SIGSEGV"),
+        ("import os; import posix; posix.kill(os.getpid(), 11)", "it ends the process with SIGSEGV"),
         ("import numpy; numpy.ones(2 * 10**9)", "MemoryError"),
     ],
 )
@@ -199,13 +204,31 @@ def test_check_file_that_stops_the_grader_is_reported_with_its_line(
     course: Course, folder: str, statement: str, message: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("course_lib.grading.task.LOAD_SECONDS", 0.5)
-    monkeypatch.setattr("course_lib.grading.task.WAIT_SECONDS", 0.5)
+    if "sleep" in statement:  # a loop also waits on a busy machine
+        monkeypatch.setattr("course_lib.grading.task.WAIT_SECONDS", 0.5)
     path = course.exercises.parent / folder / "checks/week01.py"
     path.write_text(f"\n{statement}\n{path.read_text()}")
-    calls = os._exit, os.fork, sys.stdin
+    calls = os._exit, os.fork, os.kill, threading.Thread.start, sys.stdin
     with pytest.raises(CourseError, match=rf"{folder}/checks/week01\.py line 2: .*{message}"):
         load_catalog(course.exercises, course.solutions).tasks_of_week("week01")
-    assert (os._exit, os.fork, sys.stdin) == calls
+    assert (os._exit, os.fork, os.kill, threading.Thread.start, sys.stdin) == calls
+
+
+def test_check_file_may_end_a_program_that_it_runs(course: Course) -> None:
+    path = course.exercises / "checks/week01.py"
+    path.write_text(
+        "import subprocess, sys\nsleeper = subprocess.Popen([sys.executable, '-c', 'input()'], stdin=-1)\n"
+        f"sleeper.kill(); sleeper.communicate(timeout=60)\n{path.read_text()}"
+    )
+    assert load_catalog(course.exercises, course.solutions).tasks_of_week("week01")
+
+
+def test_thread_of_a_check_file_does_not_delay_the_end_of_the_grader(course: Course) -> None:
+    path = course.exercises / "checks/week01.py"
+    start = "import threading\nthreading.Thread(target=threading.Event().wait, name='left').start()\n"
+    path.write_text(start + path.read_text())
+    assert load_catalog(course.exercises, course.solutions).tasks_of_week("week01")
+    assert {thread.daemon for thread in threading.enumerate() if thread.name == "left"} == {True}
 
 
 def test_check_file_that_ends_the_program_is_reported(course: Course) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.grading.executors import InlineExecutor, ProcessPool, flow
+from course_lib.grading.executors import CAN_FORK, InlineExecutor, ProcessPool, flow
 from course_lib.grading.grade import grade
 from course_lib.grading.marks import results_in
 from course_lib.grading.run import run
@@ -168,6 +168,51 @@ def test_unreachable_dask_scheduler_is_reported(
     write_class(tmp_path, 1)
     with pytest.raises(CourseError, match=r"--dask tcp://127\.0\.0\.1:9: no scheduler answers"):
         grade(tmp_path / "in", tmp_path / "out", jobs=1, dask="tcp://127.0.0.1:9", course=course)
+
+
+CRASH = """
+import ctypes
+from course_lib.grading import Check, expect_value, passed
+from course_lib.grading.task import Call, Scenario
+
+def crash(evidence):
+    if evidence.returns[0] != WHERE:
+        ctypes.string_at(0)
+    return passed("as expected")
+
+HIDDEN = {"week01.half": (
+    Scenario("other", calls=(Call(-7.0),), checks=(Check("a crash", crash), expect_value(-3.5))),)}
+"""
+
+
+def test_check_that_crashes_on_one_submission_is_named_and_the_class_is_graded(
+    course: Course,
+    right: str,
+    tmp_path: Path,
+    write_notebook: WriteNotebook,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    hidden = course.solutions / "checks/week01.py"
+    hidden.write_text(CRASH.replace("WHERE", "-3.5"))
+    for student, code in {"ada": right, "bob": right.replace("length / 2", "length / 4")}.items():
+        write_notebook(tmp_path / "in" / student / NAME, code, student=student)
+    assert grade(tmp_path / "in", tmp_path / "out", jobs=2, course=course)
+    rows = {one.row.student: one.row for one in results_in(tmp_path / "out")}
+    assert {row.status for row in rows.values()} == {"graded", "needs_marking"}
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if "could not judge" in line]
+    assert line.startswith("A check could not judge bob: week01.half, other, 'a crash': ")
+    assert f"{hidden} line 8: it ends the process with SIGSEGV" in line
+
+
+@pytest.mark.skipif(not CAN_FORK, reason="a crash is only found in a fork")
+def test_check_that_crashes_on_the_solution_is_named_before_grading(
+    course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    (course.solutions / "checks/week01.py").write_text(CRASH.replace("WHERE", "0"))
+    write_notebook(course.solutions / "week01_solution.ipynb", right)
+    write_notebook(tmp_path / "in/ada" / NAME, right)
+    with pytest.raises(CourseError, match=r"checks/week01\.py line 8: it ends the process with SIGSEGV"):
+        grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
 
 
 def die(number: int) -> int:

@@ -66,6 +66,10 @@ def test_check_exceeding_its_time_limit_fails_alone(monkeypatch: pytest.MonkeyPa
         (lambda _: sys.exit(0), "SystemExit: 0"),
         (lambda _: os._exit(0), "RuntimeError: os._exit would end or duplicate the grader: remove this call"),
         (lambda _: os.fork(), "RuntimeError: os.fork would end or duplicate the grader: remove this call"),
+        (
+            lambda _: os.kill(0, 9),
+            "RuntimeError: os.kill(0, 9) would end or duplicate the grader: remove this call",
+        ),
         (lambda _: input(), "EOFError: EOF when reading a line"),
         (lambda _: bytes(10**13), "MemoryError: "),
     ],
