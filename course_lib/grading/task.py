@@ -13,7 +13,7 @@ import threading
 import time
 import tomllib
 import traceback
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
@@ -541,22 +541,28 @@ def limit_course_code(seconds: float) -> Iterator[None]:
     Raises:
         TimeoutError: See `time_limit`.
     """
-    calls = {name: getattr(os, name) for name in (*FATAL_CALLS, *SIGNAL_CALLS) if hasattr(os, name)}
-    raise_signal, start_thread = signal.raise_signal, threading.Thread.start
+    start_thread = threading.Thread.start
 
     def reject(name: str, *_: Any) -> NoReturn:
         raise RuntimeError(f"{name} would end or duplicate the grader: remove this call")
 
-    def send(name: str, target: int, number: int) -> None:
+    def send(name: str, call: Callable[[int, int], None], target: int, number: int) -> None:
         # Other processes may get signals: subprocess.run() ends a program after its timeout.
         if target <= 0 or target in (os.getpid(), os.getppid(), os.getpgrp()):
             reject(f"os.{name}({target}, {number})")
-        calls[name](target, number)
+        call(target, number)
 
     def start(thread: threading.Thread) -> None:
         thread.daemon = True
         start_thread(thread)
 
+    replacements: list[tuple[Any, str, Callable[..., None]]] = [
+        *((os, name, partial(reject, f"os.{name}")) for name in FATAL_CALLS if hasattr(os, name)),
+        *((os, name, partial(send, name, getattr(os, name))) for name in SIGNAL_CALLS if hasattr(os, name)),
+        (signal, "raise_signal", partial(reject, "signal.raise_signal")),
+        (threading.Thread, "start", start),
+    ]
+    originals = [(owner, name, getattr(owner, name)) for owner, name, _ in replacements]
     used, old_limits = Path("/proc/self/statm"), (0, 0)
     if used.is_file():
         import resource
@@ -567,18 +573,14 @@ def limit_course_code(seconds: float) -> Iterator[None]:
         soft_limit = min([bytes_now + COURSE_CODE_BYTES, *finite])
         resource.setrlimit(resource.RLIMIT_AS, (soft_limit, old_limits[1]))
     keyboard, sys.stdin = sys.stdin, StringIO()
-    for name in calls:
-        setattr(os, name, partial(send, name) if name in SIGNAL_CALLS else partial(reject, f"os.{name}"))
-    signal.raise_signal = partial(reject, "signal.raise_signal")
-    threading.Thread.start = start  # type: ignore[method-assign]
+    for owner, name, function in replacements:
+        setattr(owner, name, function)
     try:
         with time_limit(seconds):
             yield
     finally:
-        for name, function in calls.items():
-            setattr(os, name, function)
-        signal.raise_signal = raise_signal
-        threading.Thread.start = start_thread  # type: ignore[method-assign]
+        for owner, name, function in originals:
+            setattr(owner, name, function)
         sys.stdin = keyboard
         if used.is_file():
             resource.setrlimit(resource.RLIMIT_AS, old_limits)
