@@ -354,6 +354,9 @@ class Viewer(KnownAttributes):
     def reset(self) -> None:
         """Discard all received messages and transforms, as RViz's button Reset does."""
         self.session.reset()
+        # Without it, nothing would be drawn until the next message, and a replay of what follows
+        # would begin with an empty picture.
+        self.session.refresh()
 
     def open(self, *, browser: bool = True, port: int = 0, token: str | None = None) -> str:
         """Show the viewer in a browser tab until the program ends.

@@ -110,3 +110,28 @@ def test_reset_discards_drawings_and_keeps_the_displays(graph: Graph) -> None:
     viewer.look()
     assert "displays/Marker/" in "".join(viewer.scene.objects())
     viewer.close()
+
+
+def test_reset_discards_messages_that_were_not_yet_drawn(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer.add("Marker", topic="/m")
+    publish(graph, "/m", marker())
+    viewer.reset()
+    viewer.look()
+    assert list(viewer.scene.objects()) == ["displays/Grid/drawing"]
+    viewer.close()
+
+
+def test_replay_after_a_reset_always_shows_the_grid(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer.add("Marker", topic="/m")
+    viewer.look()
+    viewer.reset()
+    wait(graph, 1.0)
+    publish(graph, "/m", marker())
+    viewer.look()
+    scenes = viewer.scene_recording.scenes(1.0)
+    is_drawn = ["displays/Grid/drawing" in scene.objects() for scene in scenes]
+    assert is_drawn
+    assert all(is_drawn)
+    viewer.close()
