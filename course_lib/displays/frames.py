@@ -54,6 +54,11 @@ class Frames:
         self._fixed_frame = frame_name(frame)
         self._known.clear()
 
+    def clear(self) -> None:
+        """Discard all transforms."""
+        self.buffer.clear()
+        self._known.clear()
+
     def add_transforms(self, transforms: Iterable[Any], is_static: bool) -> tuple[str, ...]:
         """Add the transforms of a TFMessage, and return tf2's log messages about ignored ones."""
         complaints: tuple[str, ...] = ()

@@ -500,7 +500,7 @@ class RvizSession:
 
     def reset(self) -> None:
         """Discard all transforms, and the messages of all displays."""
-        self.context.frames.buffer.clear()
+        self.context.frames.clear()
         self.statuses.hint("TF")
         for display in self.displays:
             display.run_safely(display.reset)

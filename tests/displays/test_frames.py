@@ -49,6 +49,17 @@ def test_lookups_are_cached_until_transforms_arrive_or_the_fixed_frame_changes()
     assert third[0, 3] == 0.0
 
 
+def test_reset_forgets_the_transforms_that_were_drawn_last() -> None:
+    bench = Bench("map")
+    display = bench.session.add("rviz_default_plugins/TF", "TF", {})
+    bench.publish("/tf", TFMessage(transforms=[transform("map", "base")]))
+    bench.session.refresh()
+    assert bench.status(display, "base") == ("ok", "Transform OK")
+    bench.session.reset()
+    bench.session.refresh()
+    assert bench.status(display, "base") == ("warn", "No transform from [base] to [map]")
+
+
 def test_view_of_a_robot_whose_clock_was_set_back_recovers_by_a_reset() -> None:
     bench = Bench("odom")
     late, early = transform("odom", "base"), transform("odom", "base", 1.0)
