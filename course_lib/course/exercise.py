@@ -219,25 +219,38 @@ if __name__ == "__main__":
 
 MAX_LENGTH = 64
 EXTRA_CHARACTERS = "-_.@"
+# Marks that are invisible, unlike the accents and the vowels of Indic and other scripts.
+INVISIBLE_MARKS = re.compile("[\u034f\u17b4\u17b5\u180b-\u180f\ufe00-\ufe0f\U000e0100-\U000e01ef]")
 
 
 # The code that sets an ID, for messages.
 SET_IDENTITY = "from course_lib import set_identity; set_identity('{}')"
 
 
+def is_allowed_in_id(character: str) -> bool:
+    """Return whether an ID may contain a character: a letter, a digit, a combining mark, or -_.@."""
+    is_mark = unicodedata.category(character) in ("Mn", "Mc")
+    return character.isalnum() or is_mark or character in EXTRA_CHARACTERS
+
+
 def normalise(text: str) -> str:
     """Normalize an ID: remove spaces, convert to lower case and digits of any script to 0-9.
 
     Invisible characters, such as the direction marks of copied text, are removed like spaces.
+    Combining marks belong to their letter: without them, names in Indic scripts would lose vowels.
 
     Raises:
         CourseError: Nothing remains, or a character is not allowed. IDs are also used as names of
             folders.
     """
-    plain = unicodedata.normalize("NFKC", str(text)).casefold()
-    visible = (c for c in plain if not c.isspace() and unicodedata.category(c) != "Cf")
-    student = "".join(str(unicodedata.digit(c, c)) for c in visible)
-    strange = sorted({c for c in student if not (c.isalnum() or c in EXTRA_CHARACTERS)})
+    student, before = str(text), ""
+    # What is removed may separate a letter and its mark, so one round is not always enough.
+    while student != before:
+        before = student
+        plain = INVISIBLE_MARKS.sub("", unicodedata.normalize("NFKC", before).casefold())
+        visible = (c for c in plain if not c.isspace() and unicodedata.category(c) != "Cf")
+        student = "".join(str(unicodedata.digit(c, c)) for c in visible)
+    strange = [c for c in student if not is_allowed_in_id(c)]
     # A spreadsheet writes 4.1E+06, and pandas 4100001.0 in a column with empty cells.
     is_number = re.fullmatch(r"\d([.,]\d+)?e\+\d+|\d{3,}\.0", student)
     if not student or strange or len(student) > MAX_LENGTH or not student[0].isalnum() or is_number:

@@ -34,6 +34,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("٢٠٢٣١٢٣٤", "20231234"),
         ("２０２３", "2023"),  # noqa: RUF001  wide digits, as some keyboards type them
         ("Zoë.M", "zoë.m"),
+        ("\u0915\u093e\u092e\u093f\u0932", "\u0915\u093e\u092e\u093f\u0932"),  # with vowels of Devanagari
+        ("\u0130rem", "i\u0307rem"),  # Turkish, whose small letter has a combining dot
+        ("a\u200d\u0301\u034f\ufe0f", "\u00e1"),
     ],
 )
 def test_ids_are_normalized_to_one_spelling(typed: str, kept: str) -> None:
@@ -47,7 +50,7 @@ def test_id_unusable_as_folder_name_is_rejected_with_an_example(typed: str) -> N
 
 
 @pytest.mark.slow
-@given(st.text(max_size=80))
+@given(st.text(max_size=80) | st.text("a\u0130\u0301\u0345\u200d\u034f\u00a8\u093f\u0915 ", max_size=12))
 def test_normalizing_an_id_is_idempotent(typed: str) -> None:
     try:
         once = normalise(typed)

@@ -181,6 +181,22 @@ def test_names_without_characters_in_the_locale_do_not_stop_collecting(
     assert (tmp_path / f"out/participant9/{NAME}").is_file()
 
 
+def test_names_that_differ_in_vowel_signs_have_their_own_folders(sort: Sort, tmp_path: Path) -> None:
+    names = ("\u0915\u092e\u0932", "\u0915\u093e\u092e\u093f\u0932")  # Kamal and Kamil
+    sort({f"{name}/{NAME}": notebook(f"x = {len(name)}") for name in names})
+    expected = ["received.csv", *(f"{name}/{NAME}" for name in names)]
+    assert collected_files(tmp_path / "out") == expected
+
+
+@pytest.mark.parametrize("below", ["", "/"])
+def test_student_whose_name_has_a_directional_override_is_collected(
+    sort: Sort, tmp_path: Path, below: str
+) -> None:
+    collection = sort({f"\u202eAda\u202c_8_assignsubmission_file_{below}{NAME}": notebook()})
+    assert not collection.rejected_lines
+    assert collected_files(tmp_path / "out") == [f"participant8/{NAME}", "received.csv"]
+
+
 def test_lines_show_spaces_and_joiners_of_names_and_no_control_characters() -> None:
     name = "\u5c71\u3000\u592a \u0639\u200c\u0631"
     assert printable(f"{name}\u202e\x1b[31m\u200f") == f"{name}\ufffd\ufffd[31m\ufffd"

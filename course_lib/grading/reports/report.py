@@ -371,8 +371,12 @@ def _report_name(result: MarkedResult, platform_file: PlatformName | None, form:
     return form.name.format(
         name="anon"
         if is_anonymous
-        # Letters may be written as a base and a mark, which is not part of a word.
-        else re.sub(r"[^\w .-]|_", "", unicodedata.normalize("NFC", platform_file.name)).strip(" .")
+        # A word has no combining marks for `re`, but many letters have.
+        else "".join(
+            c
+            for c in unicodedata.normalize("NFC", platform_file.name)
+            if c in " .-" or (c != "_" and unicodedata.category(c)[0] in "LMN")
+        ).strip(" .")
         or "student",
         number=platform_file.number,
         attachment=platform_file.attachment,

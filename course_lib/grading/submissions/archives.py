@@ -184,7 +184,8 @@ class ReceivedFileReader:
                 if not self.is_wanted(parts) or self._is_skipped(parts):
                     continue
                 try:
-                    if problem := path_problem(parts) or _type_problem(path.lstat().st_mode):
+                    problem = path_problem(parts, by_platform=True)
+                    if problem := problem or _type_problem(path.lstat().st_mode):
                         self.reject("/".join(parts), problem)
                         continue
                     with open(os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK), "rb") as file:
@@ -238,7 +239,8 @@ class ReceivedFileReader:
             if names[name] > 2:
                 continue
             duplicate = "the archive contains this name twice" if names[name] == 2 else ""
-            if problem := duplicate or path_problem(inner) or _type_problem(info.external_attr >> 16):
+            problem = duplicate or path_problem(inner, by_platform=not above)
+            if problem := problem or _type_problem(info.external_attr >> 16):
                 self.reject("/".join(parts), problem)
                 continue
             owner = self.owner(parts)
@@ -316,7 +318,8 @@ def list_paths(top: Path) -> list[tuple[str, ...]]:
         with _platform_zip(top) as archive:
             names = [name for name in map(_member_name, archive.infolist()) if not name.endswith("/")]
         paths = [tuple(name.split("/")) for name in names]
-    return sorted(path for path in paths if not any(map(_is_junk, path)) and not path_problem(path))
+    visible = (path for path in paths if not any(map(_is_junk, path)))
+    return sorted(path for path in visible if not path_problem(path, by_platform=True))
 
 
 def empty_folders(top: Path) -> list[str]:
@@ -360,8 +363,15 @@ def _is_junk(name: str) -> bool:
     return name in JUNK or is_hidden
 
 
-def path_problem(parts: tuple[str, ...]) -> str:
-    """Return why a path is not acceptable, or ""."""
+def path_problem(parts: tuple[str, ...], *, by_platform: bool = False) -> str:
+    """Return why a path is not acceptable, or "".
+
+    Args:
+        parts: The components.
+        by_platform: The platform wrote the path, which has the student's name: whoever has
+            directional overrides in it can't rename the file. The name that the student gave to the
+            file is tested separately.
+    """
     if sum(len(part.encode("utf-8", "replace")) for part in parts) > MAX_PATH:
         return f"its path is longer than {MAX_PATH} bytes"
     for part in parts:
@@ -370,7 +380,8 @@ def path_problem(parts: tuple[str, ...]) -> str:
         # Names of persons contain other invisible characters: joiners in Persian and Sinhala, wide
         # and no-break spaces, direction marks.
         for character in part:
-            if unicodedata.category(character) in CONTROLS or character in BIDI_CONTROLS:
+            is_override = character in BIDI_CONTROLS and not by_platform
+            if is_override or unicodedata.category(character) in CONTROLS:
                 code = f"U+{ord(character):04X}"
                 return f"its name contains the invisible character {code}. Rename the file"
         if len(part.encode("utf-8", "replace")) > MAX_NAME:

@@ -17,7 +17,7 @@ from zoneinfo import ZoneInfo
 
 import yaml
 
-from course_lib.course.exercise import EXTRA_CHARACTERS, MAX_LENGTH, normalise
+from course_lib.course.exercise import EXTRA_CHARACTERS, MAX_LENGTH, is_allowed_in_id, normalise
 from course_lib.errors import CourseError
 
 if TYPE_CHECKING:
@@ -641,9 +641,7 @@ def _own_id(text: str) -> str:
 def id_of(text: str) -> str:
     """Derive an ID from a student's name on a platform, which may contain any characters."""
     plain = unicodedata.normalize("NFKC", text)
-    characters = "".join(char for char in plain if char.isalnum() or char in EXTRA_CHARACTERS).lstrip(
-        EXTRA_CHARACTERS
-    )
+    characters = "".join(filter(is_allowed_in_id, plain)).lstrip(EXTRA_CHARACTERS)
     try:
         return normalise(characters[:MAX_LENGTH])
     except CourseError as error:
