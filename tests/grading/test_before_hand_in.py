@@ -16,7 +16,7 @@ from course_lib.grading.check import check
 from course_lib.grading.check_file import check_file
 from course_lib.grading.store import Course
 from course_lib.grading.submissions.submit import Receipt, submit
-from course_lib.grading.task import load_catalog
+from course_lib.grading.task import Catalog, load_catalog
 
 NODE, HALF, ANSWER = range(3)  # the cells of the right answer
 DEFINED = "def half(length):"
@@ -179,6 +179,21 @@ def test_unchanged_stub_of_a_task_is_reported_as_empty(
     broken = [*checked[:HALF], f"{DEFINED}\n    return length\n", *checked[ANSWER:]]
     (course.exercises / "week01_exercise.ipynb").write_bytes(write(broken).read_bytes())
     assert warned(write(broken)) == [f"half is empty: code cell 2 ({DEFINED}) is unchanged"]
+
+
+def test_unchanged_stub_of_a_bonus_task_is_not_reported(
+    checked: list[str],
+    write: Callable[..., Path],
+    folder: Path,
+    course: Course,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    broken = [*checked[:HALF], f"{DEFINED}\n    return length\n", *checked[ANSWER:]]
+    (course.exercises / "week01_exercise.ipynb").write_bytes(write(broken).read_bytes())
+    monkeypatch.setattr(Catalog, "points", lambda catalog, task: (10.0, task.id == "week01.half"))
+    assert warned(write(broken)) == []
+    tried = [*checked[:HALF], f"{DEFINED}\n    return length + 1\n", *checked[ANSWER:]]
+    assert "half has changed since its last check" in warned(write(tried))[0]
 
 
 def test_notebook_saved_before_the_last_check_is_reported_as_outdated(

@@ -45,7 +45,7 @@ NO_ID = "it has no student ID. Enter your ID (open {}) and run the command again
 
 @dataclass(frozen=True)
 class TaskState:
-    """A task's state: an outcome for lists, and the text of a warning after the task's name."""
+    """A task's state: an outcome for lists, and a warning after the task's name, or ""."""
 
     outcome: str
     text: str = ""
@@ -95,7 +95,8 @@ class NotebookReview:
         if self._tasks and not self._last_checks:
             problems.append(f"it was never checked here: run course check {_path_to_type(self._path)} first")
         silent = {"passed"} if self._last_checks else {"passed", "unchecked"}
-        problems += [f"{name} {task.text}" for name, task in self.tasks.items() if task.outcome not in silent]
+        states = [(name, task) for name, task in self.tasks.items() if task.outcome not in silent]
+        problems += [f"{name} {task.text}" for name, task in states if task.text]
         problems += [*self._unchecked_cells(), *self._unsaved_warning()]
         stored_id = self._notebook.student
         if stored_id and self._identity and stored_id != self._identity:
@@ -121,7 +122,9 @@ class NotebookReview:
         if last is not None and last.passed and as_checked and not cell.is_stub:
             return TaskState("passed")
         if cell.digest in self._released_digests:
-            return TaskState("empty", f"is empty: {cell.name} is unchanged")
+            # A bonus task may stay empty.
+            _, is_bonus = shipped_catalog().points(task)
+            return TaskState("empty", "" if is_bonus else f"is empty: {cell.name} is unchanged")
         if cell.is_stub:
             return TaskState("empty", f"is not complete: {cell.name} still raises NotImplementedError")
         if cell.syntax_error:
