@@ -59,16 +59,19 @@ class _Parent:
 
     def run(self, request: dict[str, Any], streams: list[int], timeout: float) -> int:
         """Return the exit code of a command."""
-        self._socket.settimeout(timeout)
+        # The first command waits for the imports of the parent, which are not part of its time.
+        self._socket.settimeout(PATIENCE)
         text = json.dumps(request).encode()
         rights = (socket.SOL_SOCKET, socket.SCM_RIGHTS, array.array("i", streams))
         self._socket.sendmsg([len(text).to_bytes(4, "big")], [rights])
         self._socket.sendall(text)
         pid = int.from_bytes(_receive(self._socket, 4), "big")
+        self._socket.settimeout(timeout)
         try:
             code = int.from_bytes(_receive(self._socket, 4), "big", signed=True)
         except TimeoutError:
             os.kill(pid, signal.SIGKILL)
+            self._socket.settimeout(PATIENCE)
             _receive(self._socket, 4)
             raise subprocess.TimeoutExpired(request["words"], timeout) from None
         return code

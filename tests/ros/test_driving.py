@@ -141,9 +141,17 @@ def test_interrupt_ends_spin_with_one_line_while_another_thread_holds_the_time_l
     notebook: Graph, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COURSE_PACE", "real")
-    node = Node("talker")
-    threading.Thread(target=sleep_in_the_program, daemon=True).start()
-    threading.Timer(0.3, interrupt_main).start()
+    node, calls = Node("talker"), list[int]()
+    node.create_timer(0.1, lambda: calls.append(1))
+
+    def interrupt_spin() -> None:
+        # An interrupt before `spin_for` would end the tests.
+        while not calls:
+            wall.sleep(0.01)
+        interrupt_main()
+
+    for target in (sleep_in_the_program, interrupt_spin):
+        threading.Thread(target=target, daemon=True).start()
     start = wall.monotonic()
     spin_for(1000.0, node)
     assert wall.monotonic() - start < 60  # [s] of the 1000

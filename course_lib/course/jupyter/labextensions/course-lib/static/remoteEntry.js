@@ -460,9 +460,10 @@
           const { sessionContext } = panel;
           let kernelSession = ""; // of the kernel's process
           sessionContext.iopubMessage.connect((_, { header }) => {
-            // After a restart in another window, the new process's first status may be lost: JupyterLab's server
-            // connects to it a moment later.
-            if (kernelSession && header.session !== kernelSession) sessionContext.statusChanged.emit("restarting");
+            // At a restart in another window, the old process reports its end, unless it is killed. JupyterLab's server
+            // connects to the new one a moment later, and the first messages, or all, may be lost.
+            const isNew = kernelSession && header.session !== kernelSession;
+            if (isNew || header.msg_type === "shutdown_reply") sessionContext.statusChanged.emit("restarting");
             kernelSession = header.session;
             // A cell starts: what it changes belongs to its own picture.
             if (header.msg_type === "execute_input") savePictures(panel);
