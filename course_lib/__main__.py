@@ -29,7 +29,7 @@ def main() -> None:
 
         run_command()
     except KeyboardInterrupt:
-        # Commands handle it themselves; this is Ctrl+C during the imports.
+        # Commands handle Ctrl+C themselves, so it was pressed during the imports.
         sys.exit(INTERRUPTED)
 
 

@@ -22,5 +22,5 @@ AnyArray: TypeAlias = NDArray[Any]
 
 # Arrays for the graphics card, which uses single precision.
 Float32s: TypeAlias = NDArray[np.float32]
-# Indices into such arrays.
+# Indices into arrays for the graphics card.
 UInt32s: TypeAlias = NDArray[np.uint32]

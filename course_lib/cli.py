@@ -491,7 +491,7 @@ def _mark(
 
     Without points, update reports and gradebook from the stored marks.
     """
-    from course_lib.grading.marking.by_hand import follow_marks, mark_by_hand, mark_without_file
+    from course_lib.grading.marking.by_hand import mark_by_hand, mark_without_file, update_reports
 
     if without_file:
         if row or len(given) != len(("STUDENT", "EXERCISE")) + (not withdraw):
@@ -501,7 +501,7 @@ def _mark(
             )
         return mark_without_file(out, *given, comment=comment, withdraw=withdraw)
     if not is_lms and not (given or row or comment or withdraw):
-        return follow_marks(out, waiting=typer.echo)
+        return update_reports(out, waiting=typer.echo)
     if not is_lms and withdraw and not comment and len(given) == len(("STUDENT", "EXERCISE", "TASK")):
         return mark_by_hand(out, *given, row=row, withdraw=True)
     if not is_lms and not withdraw and len(given) == len(("STUDENT", "EXERCISE", "TASK", "POINTS")):
@@ -839,11 +839,11 @@ def export(
     check: Annotated[Path | None, typer.Option(help="Only list the missing parts of this package.")] = None,
 ) -> None:
     """Export a notebook's nodes as a ROS 2 package: from the cells marked # export, or from all."""
+    from course_lib.export.export import check_package
     from course_lib.export.export import export as write
-    from course_lib.export.export import lacks
 
     if check is not None:
-        report = lacks(check)
+        report = check_package(check)
         typer.echo("\n".join(report.lines()))
         raise typer.Exit(0 if report.is_complete else NOT_PASSED)
     if file is None or out is None or not package:

@@ -77,7 +77,9 @@ def save_as(path: str | Path, data: bytes, subject: str) -> None:
     try:
         write_atomically(Path(os.path.realpath(path)), data)
     except OSError as error:
-        raise CourseError(f"Cannot write {subject} {path}: {error.strerror}.") from None
+        raise CourseError(
+            f"Cannot write {subject} {path}: {error.strerror}. Choose another folder."
+        ) from None
 
 
 @contextmanager

@@ -320,10 +320,10 @@ def run_lesson(path: Path, seconds: float = SECONDS) -> list[Flaw]:
     output = COLOR.sub("", f"{process.stdout}\n{process.stderr}")
     if process.returncode == 0 and "Traceback (most recent call last)" not in output:
         return []
-    return [Flaw("lesson", _reason(path, output, process.returncode), str(path))]
+    return [Flaw("lesson", _last_error(path, output, process.returncode), str(path))]
 
 
-def _reason(path: Path, output: str, code: int) -> str:
+def _last_error(path: Path, output: str, code: int) -> str:
     """Return the last error in a lesson's output, with its line and cell as in JupyterLab."""
     errors = ERROR.findall(output)
     error = errors[-1] if errors else f"exit code {code}"

@@ -290,7 +290,7 @@ def run_lesson(lesson: Path, scenes: Path, work: Path) -> Any:
         client.execute(env={**os.environ, "COURSE_PACE": "fast"}, stderr=DEVNULL)
     # nbclient raises a RuntimeError if the kernel dies.
     except (CellExecutionError, CellTimeoutError, RuntimeError) as error:
-        raise CourseError(f"{lesson.name}, {place[0]}: {_reason(error)}.") from error
+        raise CourseError(f"{lesson.name}, {place[0]}: {_failure_reason(error)}.") from error
     # nbclient raises an AssertionError if Ctrl+C has ended the kernel.
     except AssertionError as error:
         raise KeyboardInterrupt from error
@@ -303,7 +303,7 @@ def _cell(name: str, code: str) -> dict[str, Any]:
     return {"cell_type": "code", "id": name, "source": code, **empty}
 
 
-def _reason(error: Exception) -> str:
+def _failure_reason(error: Exception) -> str:
     if isinstance(error, CellExecutionError):
         return f"{error.ename}: {error.evalue}. Correct that, then run course book again"
     if isinstance(error, CellTimeoutError):

@@ -150,7 +150,7 @@ def _means(values: AnyArray, to_new: AnyArray) -> AnyArray:
 
 # Maximum number of triangles of a mesh. A robot has about ten meshes.
 MOST_FACES = 1000
-# The same in a scene with more than MANY meshes.
+# Maximum number of triangles of each mesh in a scene with more than MANY meshes.
 MANY, FEWER_FACES = 16, 400
 # Size [bytes] above which a mesh is stored in a file of its own, which scenes share.
 SHARED = 5_000
@@ -238,7 +238,7 @@ class _LiveScene:
             self.end, self.scene = recording.time, copy_of(recording.scene)
 
     def pack(self, interval: float) -> bytes:
-        """Return its recording, packed for pages, with pictures at an interval [s]."""
+        """Return the scene's recording, packed for pages, with a frame every `interval` [s]."""
         seconds = min(self.end - self.since + BEFORE, SECONDS)
         return self.viewer.scene_recording.pack(seconds, self.end, interval)
 

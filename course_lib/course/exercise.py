@@ -79,7 +79,9 @@ def read_notebook(path: Path) -> Notebook:
         others = f" Its folder has {shown}." if names else ""
         raise CourseError(f"There is no notebook {path}.{others}") from error
     except (OSError, ValueError) as error:
-        raise CourseError(f"{path} can't be read as a notebook: {error}") from error
+        raise CourseError(
+            f"{path} can't be read as a notebook: {error}. Save it again in JupyterLab, or replace it."
+        ) from error
     cells = notebook.get("cells") if isinstance(notebook, dict) and notebook.get("nbformat") == 4 else None
     if not isinstance(cells, list) or not all(isinstance(cell, dict) for cell in cells):
         raise CourseError(f"{path} is not a notebook of format 4. Save it again in JupyterLab.")

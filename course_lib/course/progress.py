@@ -95,7 +95,7 @@ class Progress:
     packed: datetime | None
     # The packed file, unless an older version of the kit wrote it.
     file: PackedSubmission | None = None
-    # Whether the notebook has changed since then.
+    # Whether the notebook has changed since it was packed.
     has_changed: bool = False
 
     @property

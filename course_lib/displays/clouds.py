@@ -98,9 +98,9 @@ class Cloud:
         """The points in the frame of the cloud, shape (N, 3), [m]."""
         return np.stack([self.channels[axis] for axis in _XYZ], axis=-1).astype(np.float32)
 
-    def is_single(self, name: str, *, or_whole: bool = False) -> bool:
-        """Return whether a channel has 32-bit floats or, with `or_whole`, 32-bit integers."""
-        kinds = ("f", "u") if or_whole else ("f",)
+    def is_float32(self, name: str, *, or_int32: bool = False) -> bool:
+        """Return whether a channel has 32-bit floats or, with `or_int32`, 32-bit integers."""
+        kinds = ("f", "u") if or_int32 else ("f",)
         channel = self.channels.get(name)
         return channel is not None and channel.dtype.itemsize == 4 and channel.dtype.kind in kinds
 
@@ -227,7 +227,7 @@ def _rgb8(cloud: Cloud, holder: PropertyHolder) -> tuple[Reals, Bounds]:
 
 
 def _bounds(values: Float32s, limit: float) -> tuple[float, float]:
-    """Return the minimum and maximum, which RViz starts from a limit."""
+    """Return the minimum and maximum. As in RViz, the search starts at `limit` and `-limit`."""
     numbers = values[~np.isnan(values)]
     return float(numbers.min(initial=limit)), float(numbers.max(initial=-limit))
 
@@ -237,10 +237,10 @@ TRANSFORMERS: Mapping[str, Transformer] = {
     "FlatColor": Transformer(lambda cloud: True, 0, _flat_color),
     "Intensity": Transformer(lambda cloud: True, 255, _intensity),
     "RGB8": Transformer(
-        lambda cloud: any(cloud.is_single(name, or_whole=True) for name in ("rgb", "rgba")), 0, _rgb8
+        lambda cloud: any(cloud.is_float32(name, or_int32=True) for name in ("rgb", "rgba")), 0, _rgb8
     ),
     "RGBF32": Transformer(
-        lambda cloud: cloud.is_single("r") and {"g", "b"} <= cloud.channels.keys(),
+        lambda cloud: cloud.is_float32("r") and {"g", "b"} <= cloud.channels.keys(),
         0,
         lambda cloud, holder: (
             np.stack([cloud.channels[name] for name in "rgb"], axis=-1).astype(np.float32),
@@ -309,7 +309,7 @@ class CloudDisplay(TopicDisplay):
         """Keep a cloud for the next frame, if RViz can draw it."""
         self.statuses.delete("Message")
         self._values["Color Transformer"] = best_transformer(cloud, self["Color Transformer"])
-        if not (cloud.is_single("x") and {"y", "z"} <= cloud.channels.keys()):
+        if not (cloud.is_float32("x") and {"y", "z"} <= cloud.channels.keys()):
             self.statuses.set("error", "Message", "No position transformer available for cloud")
             return
         self._values["Position Transformer"] = "XYZ"

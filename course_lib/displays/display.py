@@ -21,7 +21,7 @@ import numpy.typing as npt
 from course_lib.arrays import Matrix
 from course_lib.displays.frames import NS, Frames, ViewTime, nanoseconds
 from course_lib.displays.properties import Property, PropertyHolder, flag, integer, text, words
-from course_lib.displays.statuses import Statuses, StatusRow, contained
+from course_lib.displays.statuses import Statuses, StatusRow, exceptions_as_status
 from course_lib.errors import format_count
 from course_lib.ros.graph.graph import Graph, Sample
 from course_lib.ros.graph.topics import SERVICE_HEADER, Qos, find_incompatible_policy, service_topics
@@ -280,12 +280,12 @@ class Display(PropertyHolder):
 
     def run_safely(self, step: Callable[[], None]) -> None:
         """Start or reset; an exception becomes a status, so that the session continues without it."""
-        with contained(self._statuses, "Start"):
+        with exceptions_as_status(self._statuses, "Start"):
             step()
 
     def apply_change(self, label: str) -> None:
         """Update the display after a property has changed; an exception becomes a status."""
-        with contained(self._statuses, "Properties"):
+        with exceptions_as_status(self._statuses, "Properties"):
             self.on_property_change(label)
 
     def start(self) -> None:
@@ -549,7 +549,7 @@ class TopicDisplay(Display):
         for received_ns, message in waiting:
             if self.transform_problem(message) is None:
                 # An exception that one message raises must not discard the messages after it.
-                with contained(self._statuses, "Message"):
+                with exceptions_as_status(self._statuses, "Message"):
                     self._accept(message, received_ns)
             elif self.context.frames.is_too_old(message.header.frame_id, nanoseconds(message.header.stamp)):
                 self._drop(message, OUT_OF_CACHE)

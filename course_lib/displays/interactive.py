@@ -22,13 +22,13 @@ from course_lib.displays.markers import DRAW
 from course_lib.displays.panel.protocol import MenuItem, UseControl
 from course_lib.displays.properties import Property, flag, text
 from course_lib.displays.shapes import axes
-from course_lib.displays.statuses import Level, Statuses, contained
+from course_lib.displays.statuses import Level, Statuses, exceptions_as_status
 from course_lib.errors import CourseError
 from course_lib.robots.kinematics import inverse
 from course_lib.ros.graph.topics import Qos
 from course_lib.viewer.drawables import Camera, Lines
 
-# Name of RViz's status.
+# Name of RViz's status of the connection to the server.
 LABEL = "Interactive Marker Client"
 FEEDBACK = "visualization_msgs/msg/InteractiveMarkerFeedback"
 QOS = Qos(depth=100)
@@ -45,7 +45,7 @@ class ClientCallbacks:
     # Draws markers.
     show: Callable[[Iterable[motion.Message]], None]
     # Applies an InteractiveMarkerUpdate.
-    follow: Callable[[motion.Message], None]
+    apply_update: Callable[[motion.Message], None]
     clear: Callable[[], None]
 
 
@@ -89,7 +89,7 @@ class MarkerClient:
         if self._context.node is not None:
             self._context.node.publish(f"{self._namespace}/feedback", FEEDBACK, QOS, feedback)
 
-    def take(self, update: motion.Message) -> None:
+    def queue_update(self, update: motion.Message) -> None:
         """Queue an update. A wrong sequence number restarts the connection."""
         if update.type == _KEEP_ALIVE or self._state == "stopped":
             return
@@ -124,9 +124,9 @@ class MarkerClient:
         elif self._state == "idle":
             self._request_markers()
         if self._state == "asking":
-            self._begin()
+            self._show_response()
         if self._state == "running":
-            self._follow()
+            self._apply_updates()
 
     def stop(self, reason: str) -> None:
         """Remove all markers and ignore all further messages, as RViz does after some errors."""
@@ -153,7 +153,7 @@ class MarkerClient:
 
         def take(response: motion.Message) -> None:
             if number == self._request_count:
-                with contained(self._statuses, "Response"):
+                with exceptions_as_status(self._statuses, "Response"):
                     for marker in response.markers:
                         motion.complete(marker, self._transparent)
                     self._response = response
@@ -162,7 +162,7 @@ class MarkerClient:
         if self._context.node is not None:
             self._context.node.call(f"{self._namespace}/get_interactive_markers", _SERVICE, take)
 
-    def _begin(self) -> None:
+    def _show_response(self) -> None:
         """Show the markers of the response, once it has arrived and tf2 can place them."""
         if self._response is None:
             if self._context.now_ns - self._requested_ns > _PATIENCE_NS:
@@ -170,7 +170,7 @@ class MarkerClient:
                 problem = "Did not receive response with interactive markers, resending request..."
                 self._set_status("warn", problem)
             return
-        error, waits = self._missing(self._response.markers)
+        error, waits = self._transform_problem(self._response.markers)
         self._statuses.hint(LABEL, *([f"RViz repeats its request: {error}"] if error else []))
         if error or waits:
             text = f"Resetting due to transform error: {error}"
@@ -184,11 +184,11 @@ class MarkerClient:
         self._actions.clear()
         self._actions.show(response.markers)
 
-    def _follow(self) -> None:
+    def _apply_updates(self) -> None:
         """Apply the updates that tf2 can place, in order."""
         while self._queue and self._state == "running":
             update = self._queue[0]
-            error, waits = self._missing(chain(update.markers, update.poses))
+            error, waits = self._transform_problem(chain(update.markers, update.poses))
             if error and self._context.node is not None:
                 self._restart()
             if error:
@@ -197,9 +197,9 @@ class MarkerClient:
                 return
             self._queue.popleft()
             self._set_status("ok", f"Pushing update with sequence number {update.seq_num}")
-            self._actions.follow(update)
+            self._actions.apply_update(update)
 
-    def _missing(self, items: Iterable[Any]) -> tuple[str, bool]:
+    def _transform_problem(self, items: Iterable[Any]) -> tuple[str, bool]:
         """Return an error if tf2 cannot place markers or poses, and whether to wait for transforms."""
         waits = False
         headers = []
@@ -231,7 +231,7 @@ _CLIENT = "/rviz2"
 _IDENTITY: Matrix = np.eye(4)
 # Half the length of the line along an axis [m].
 _AID = 10_000.0
-# The modes with such a line.
+# The interaction modes with a line along the axis.
 _HELPED = (motion.MOVE_AXIS, motion.ROTATE_AXIS, motion.MOVE_ROTATE)
 
 
@@ -615,7 +615,9 @@ class InteractiveMarkersDisplay(Display):
         transparent = self["Enable Transparency"]
         self._client = MarkerClient(self.context, name, self.statuses, actions, transparent)
         updates = f"{name}/update"
-        self.subscriptions = (Subscription(updates, self.type_name, QOS, self._client.take, self.statuses),)
+        self.subscriptions = (
+            Subscription(updates, self.type_name, QOS, self._client.queue_update, self.statuses),
+        )
         self.context.on_subscribe(self.subscriptions)
 
     def _marker_at(self, path: str) -> SceneMarker | None:

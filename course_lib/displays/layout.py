@@ -32,7 +32,7 @@ class ParsedYaml:
     places: dict[_Place, tuple[int, int]] = field(default_factory=dict)
     remaining: int = _MAX_COMPONENTS
 
-    def take(self, node: Any, path: _Place = ()) -> Any:
+    def convert(self, node: Any, path: _Place = ()) -> Any:
         """Convert a YAML node to plain values. Of duplicate keys, the last one is used.
 
         Raises:
@@ -48,9 +48,10 @@ class ParsedYaml:
         self.places[path] = (node.start_mark.line + 1, node.start_mark.column + 1)
         if node.id == "mapping":
             nodes_by_name = {str(key.value): value for key, value in node.value}
-            return {name: self.take(value, (*path, name)) for name, value in nodes_by_name.items()}
+            items = nodes_by_name.items()
+            return {name: self.convert(value, (*path, name)) for name, value in items}
         if node.id == "sequence":
-            return [self.take(value, (*path, index)) for index, value in enumerate(node.value)]
+            return [self.convert(value, (*path, index)) for index, value in enumerate(node.value)]
         return None if not node.style and node.value in _NULLS else node.value
 
 
@@ -66,7 +67,7 @@ def parse_yaml(text: str) -> ParsedYaml:
     parsed, loader = ParsedYaml(), getattr(yaml, "CBaseLoader", yaml.BaseLoader)
     try:
         node = next(yaml.compose_all(text, Loader=loader), None)
-        parsed.value = None if node is None else parsed.take(node)
+        parsed.value = None if node is None else parsed.convert(node)
     except yaml.MarkedYAMLError as error:
         mark, problem = error.problem_mark or error.context_mark, error.problem or error.context
         description = f"found character {text[mark.index : mark.index + 1]!r} that"

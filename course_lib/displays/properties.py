@@ -213,7 +213,7 @@ class PropertyHolder(KnownAttributes):
         # The owner's part of the last layout, with unknown entries.
         self.config: Mapping[str, Any] = {}
 
-    def grow(self, *properties: Property) -> list[str]:
+    def add_properties(self, *properties: Property) -> list[str]:
         """Add properties, with their earlier values or the values in the layout.
 
         Returns:
@@ -224,7 +224,7 @@ class PropertyHolder(KnownAttributes):
         self._values |= {prop.label: prop.default for prop in new}
         return self._add_properties(new)
 
-    def shrink(self, label: str) -> None:
+    def remove_properties(self, label: str) -> None:
         """Remove the properties that were added below a label."""
         class_properties = type(self).properties
         self.properties = tuple(p for p in self.properties if p in class_properties or p.path[0] != label)

@@ -12,7 +12,7 @@ from course_lib.displays.layout import read_layout
 from course_lib.displays.markers import ADD, MARKER, MARKER_ARRAY
 from course_lib.displays.panel.desk import Desk, Playback, TimePanel
 from course_lib.displays.session import TF, RvizSession
-from course_lib.displays.statuses import contained
+from course_lib.displays.statuses import exceptions_as_status
 from course_lib.displays.viewer import Viewer
 from course_lib.host import announce
 from course_lib.recording import Recording, read_bag
@@ -139,7 +139,7 @@ def _likely_fixed_frame(session: RvizSession, recording: Recording) -> str:
         message: Any = None
         if sample.type_name in (TF, *_DISPLAYS):
             # An invalid message becomes a status of the displays of its topic.
-            with contained(session.statuses, "Message"):
+            with exceptions_as_status(session.statuses, "Message"):
                 message = sample.message()
         if message is None:
             continue

@@ -158,7 +158,7 @@ class LinkSettings:
     # Whether each kind is visible: visual, collision, mass, inertia, axes, trail.
     shown: Mapping[str, bool]
     alpha: float
-    # Whether its transform is unknown.
+    # Whether the transform of the link is unknown.
     is_lost: bool = False
     # If False, nothing is drawn, and only the files are checked.
     is_visible: bool = True
@@ -592,8 +592,8 @@ class RobotModelDisplay(TopicDisplay):
         self._drawn_joints.clear()
         self._parent_transforms.clear()
         self._arrange()
-        self.shrink("Links")
-        self.shrink("Joints")
+        self.remove_properties("Links")
+        self.remove_properties("Joints")
         if self._urdf is None:
             return
         try:
@@ -632,7 +632,7 @@ class RobotModelDisplay(TopicDisplay):
         joint_rows: list[Property] = []
         for joint in joints:
             joint_rows += self._joint_rows(joint, joint.child in moving)
-        wrong = self.grow(*rows, *joint_rows)
+        wrong = self.add_properties(*rows, *joint_rows)
         # The type and limits of an earlier description with the same names are outdated.
         self._values |= {row.label: row.default for row in joint_rows if row.is_read_only}
         self._joints = joints
@@ -691,7 +691,7 @@ def _poses(robot: Robot, configuration: Configuration) -> dict[str, Floats]:
                 f"The configuration has shape {values.shape}, expected ({model.nq},), or a dict."
             )
         if not np.isfinite(values).all():
-            raise CourseError(f"The configuration {values.tolist()} has numbers that are not finite.")
+            raise CourseError(f"The configuration is {values.tolist()}, expected finite numbers.")
         data = model.createData()
         # Circle points and quaternions that are only approximately normalized are accepted.
         pinocchio.framesForwardKinematics(model, data, pinocchio.normalize(model, values))

@@ -31,7 +31,7 @@ from course_lib.displays.frames import Frames, ViewTime, frame_name, nanoseconds
 from course_lib.displays.layout import Layout, Options, text_at
 from course_lib.displays.panel.tools import advertise_tools, all_tools, load_tools
 from course_lib.displays.registry import make_display
-from course_lib.displays.statuses import Statuses, StatusRow, StatusTable, contained
+from course_lib.displays.statuses import Statuses, StatusRow, StatusTable, exceptions_as_status
 from course_lib.displays.tf import ReferenceDisplay
 from course_lib.displays.views import Framing, Orbit, ViewController, view_of
 from course_lib.ros.graph.graph import Graph, Sample
@@ -91,7 +91,7 @@ class RvizSession:
         self._view.on_change = self._on_view_set
         # None after the user has set the view.
         self._framing: Framing | None = Framing(scene)
-        # Whether it shows a recording, frame by frame.
+        # Whether the session shows a recording frame by frame.
         self.is_replay = False
         # The camera that the view set last.
         self._camera: Camera | None = None
@@ -201,7 +201,7 @@ class RvizSession:
 
     def _announce_camera(self) -> None:
         for display in self.displays:
-            with contained(display.statuses, "View"):
+            with exceptions_as_status(display.statuses, "View"):
                 display.on_view_turn(self.context.scene.camera)
 
     def add(
@@ -297,7 +297,7 @@ class RvizSession:
 
         An exception becomes a status: it must not reach the node that publishes.
         """
-        with contained(self.statuses, "Message"):
+        with exceptions_as_status(self.statuses, "Message"):
             # A message is older than the last one after a recording was rewound.
             if sample.stamp_ns < self.time.message_ns:
                 self._on_time_jump("Detected jump back in time.")
@@ -335,11 +335,11 @@ class RvizSession:
         self.time.begin_frame(now_ns)
         for display in self.displays:
             if display.enabled:
-                with contained(display.statuses, "Update"):
+                with exceptions_as_status(display.statuses, "Update"):
                     display.update()
         if self.context.is_drawn:
             self._place_attached_nodes()
-        with contained(self.statuses, "View"):
+        with exceptions_as_status(self.statuses, "View"):
             camera = self._view.camera(self.context.frames) if self.context.is_drawn else None
             is_framed = camera is not None and self._frame_drawings(camera, is_opened)
             if is_framed:
@@ -430,7 +430,7 @@ class RvizSession:
         A display without messages gets the names of other topics with messages of its type, unless
         its own topic has a publisher: the first message of a slow node takes a while.
         """
-        with contained(display.statuses, "Statuses"):
+        with exceptions_as_status(display.statuses, "Statuses"):
             rows = list(display.rows())
             topics = {subscription.topic for subscription in display.subscriptions}
             types = {subscription.type_name for subscription in display.subscriptions}
@@ -472,7 +472,7 @@ class RvizSession:
 
     def _notify(self) -> None:
         for listener in tuple(self.after_frame):
-            with contained(self.statuses, "Page"):
+            with exceptions_as_status(self.statuses, "Page"):
                 listener()
 
     def _deliver(self, sample: Sample, subscriptions: Iterable[Subscription]) -> None:
@@ -483,7 +483,7 @@ class RvizSession:
             return
         message = None
         for subscription in matching:
-            with contained(subscription.statuses, "Message"):
+            with exceptions_as_status(subscription.statuses, "Message"):
                 message = sample.message() if message is None else message
                 subscription.callback(message)
         self.time.request_frame()

@@ -132,7 +132,7 @@ def axes(length: float, diameter: float, colors: npt.ArrayLike = AXIS_COLORS) ->
     """
     placements = np.zeros((3, 4, 4))
     for axis, transform in enumerate(placements):
-        # The rotation of z to the axis.
+        # The rotation that maps z to the axis.
         rotation = np.roll(np.eye(3), axis + 1, axis=0)
         transform[:3, :3] = rotation * [diameter, diameter, length]
         transform[axis, 3] = length / 2

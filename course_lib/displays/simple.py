@@ -60,10 +60,10 @@ _NOT_UNIT = "Message contained unnormalized quaternion (squares of values don't 
 _NOT_UNIT_HINT = (
     "{} not have length 1, ({}): RViz2 may draw a wrong rotation. Divide a quaternion by its length."
 )
-# Of the squared length, as for markers.
+# Tolerance of a quaternion's squared length, as for markers.
 _UNIT_TOLERANCE = 1e-3
 _ARROW = ("Shaft Length", "Shaft Diameter", "Head Length", "Head Diameter")
-# The same in the order of the panel.
+# The properties of an arrow in the panel's order.
 _ARROW_ROWS = ("Shaft Length", "Head Length", "Shaft Diameter", "Head Diameter")
 # Conditions of a path's properties.
 _AXES, _ARROWS = (("Pose Style", "Axes"),), (("Pose Style", "Arrows"),)
@@ -449,7 +449,7 @@ class ScrewDisplay(DrawnDisplay):
     def drawables(self) -> Mapping[str, Drawable]:
         """Return the arrows of all vectors, and the circles around the angular ones."""
         width = self["Arrow Width"]
-        # Wrenches have no such property.
+        # WrenchDisplay does not have the property.
         hides = self._values.get("Hide Small Values", True)
         drawables: dict[str, Drawable] = {}
         for row, label in enumerate(self.labels):
@@ -597,7 +597,7 @@ class EffortDisplay(DrawnDisplay):
     def start(self) -> None:
         """Discard the robot, and subscribe."""
         self._joints = None
-        self.shrink("Joints")
+        self.remove_properties("Joints")
         super().start()
 
     def process(self, message: Any) -> None:
@@ -646,7 +646,7 @@ class EffortDisplay(DrawnDisplay):
         self._joints = {name: turning[name] for name in sorted(turning) if turning[name].effort is not None}
         for name, joint in self._joints.items():
             row, names = f"Joints/{name}", ("Joints", name)
-            self.grow(
+            self.add_properties(
                 Property(row, True, flag, names),
                 Property(f"{row}/Effort", 0.0, read_only, (*names, "Effort")),
                 Property(f"{row}/Max Effort", joint.effort, read_only, (*names, "Max Effort")),

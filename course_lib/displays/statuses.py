@@ -2,7 +2,8 @@
 
 RViz runs in a process of its own, so its errors never reach the node that publishes. Here a
 display runs inside `publish()`, or in the call that requests the scene. Every call from outside
-into a display therefore passes through `contained`, which turns exceptions into error statuses.
+into a display therefore passes through `exceptions_as_status`, which turns exceptions into error
+statuses.
 The text of a `CourseError` explains what is wrong with a message or a file. An exception in a
 student's display names the student's line. Any other exception is an error of the kit: it is also
 reported once per line of code, as a `DisplayFaultWarning`.
@@ -83,10 +84,13 @@ class Statuses:
         rows = [(name, *status) for name, status in self._texts.items()]
         rows += [(name, "error", text) for name, text in self.failures.items()]
         rows += [(name, "hint", text) for name, texts in self._hints.items() for text in texts]
-        return [StatusRow(display, clip(name), level, clip(text)) for name, level, text in rows]
+        return [
+            StatusRow(display, shorten_middle(name), level, shorten_middle(text))
+            for name, level, text in rows
+        ]
 
 
-def clip(text: str) -> str:
+def shorten_middle(text: str) -> str:
     """Return a string, shortened in the middle if it would make pages and tables slow."""
     half = _LONGEST_TEXT // 2
     return text if len(text) <= _LONGEST_TEXT else f"{text[:half]} … {text[-half:]}"
@@ -131,7 +135,7 @@ class DisplayFaultWarning(UserWarning):
     """Warning about an error in the kit's own code inside a display."""
 
 
-class contained:  # noqa: N801  # a context manager, named like those of contextlib
+class exceptions_as_status:  # noqa: N801  # a context manager, named like those of contextlib
     """Turn an exception in a `with` block into an error status, which the next such block removes.
 
     Interrupts and SystemExit pass, because they are not subclasses of Exception. So does a

@@ -48,7 +48,7 @@ class ReferenceDisplay(Display):
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
-        self._placed_with: Matrix | None = None
+        self._drawn_transform: Matrix | None = None
         self._is_drawn = False
 
     def drawing(self) -> Drawable:
@@ -82,8 +82,8 @@ class ReferenceDisplay(Display):
             reason = self.context.frames.problem(reference) or ""
             problem = self.transform_problem.format(reference, self.context.frames.fixed_frame, reason)
             self.statuses.set("error", "Transform", problem)
-        if transform is not self._placed_with or not self._is_drawn:
-            self._placed_with, scene = transform, self.context.scene
+        if transform is not self._drawn_transform or not self._is_drawn:
+            self._drawn_transform, scene = transform, self.context.scene
             node = f"{self.path}/drawing"
             scene.set_visible(node, transform is not None)
             if transform is not None:
@@ -160,7 +160,7 @@ class GridDisplay(ReferenceDisplay):
 PARTS = ("axes", "arrows", "names")
 
 _LENGTH, _WIDTH = 0.2, 0.02  # length and width of an axis [m]
-# The diameters, and the length of the head [m].
+# Diameters of an arrow's shaft and head, and length of the head [m].
 _SHAFT, _HEAD, _HEAD_LENGTH = 0.01, 0.04, 0.1
 _SHAFT_COLOR, _HEAD_COLOR = np.array([0.8, 0.8, 0.3, 1.0]), np.array([1.0, 0.1, 0.6, 1.0])
 _NAME_HEIGHT = 0.1  # [m]
@@ -334,7 +334,7 @@ class _LatestTransform(NamedTuple):
     """The latest transform of a frame to the fixed frame, and the time of its arrival."""
 
     transform: Matrix | None
-    # 0 if it is static or unknown.
+    # 0 if the transform is static or unknown.
     stamp_ns: int
     received_ns: int
 
@@ -378,7 +378,7 @@ class TfDisplay(Display):
     def reset(self) -> None:
         """Remove all frames."""
         super().reset()
-        self.shrink("Frames")
+        self.remove_properties("Frames")
         self._frames.clear()
         self._latest.clear()
         self._updated_ns = None
@@ -406,7 +406,7 @@ class TfDisplay(Display):
                     for label in _FRAME_VALUES:
                         value = partial(self._frame_value, name, label)
                         rows.append(Property(f"{row}/{label}", value, read_only, (*path, label)))
-            self.grow(*rows)
+            self.add_properties(*rows)
         for name in names:
             self._update(name)
 

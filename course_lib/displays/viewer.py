@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeAlias
 from course_lib.displays.display import Display, RvizNode, node_name
 from course_lib.displays.frames import NS, frame_name
 from course_lib.displays.layout import Options, read_layout
-from course_lib.displays.panel.cell import ViewerCell, end_all
+from course_lib.displays.panel.cell import ViewerCell, close_viewer
 from course_lib.displays.panel.tools import Tool
 from course_lib.displays.properties import KnownAttributes
 from course_lib.displays.registry import REGISTRY, known_name, short_name
@@ -19,7 +19,7 @@ from course_lib.displays.writer import save_rviz
 from course_lib.errors import CourseError
 from course_lib.host import announce, in_notebook, running_cell
 from course_lib.ros.graph.graph import ProgramNodes, current_graph
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_notice
 from course_lib.viewer.drawables import Camera
 from course_lib.viewer.html import save_html
 from course_lib.viewer.page_link import Click
@@ -66,7 +66,7 @@ class Viewer(KnownAttributes):
         self._cell = ViewerCell(session, graph)
         stops = (graph.tap(backlog.receive, session.topics), graph.watch_time(backlog.tick), node.close)
         # Runs once no variable or page refers to the viewer.
-        self._end = weakref.finalize(self, end_all, stops, self._cell)
+        self._end = weakref.finalize(self, close_viewer, stops, self._cell)
         self._end.atexit = False
         nodes = graph.state(ProgramNodes)
         session.unspun_nodes = lambda: list(nodes.unspun_nodes.values())
@@ -109,7 +109,7 @@ class Viewer(KnownAttributes):
         save_rviz(self.session, path)
         # Reports of checks show a task's output, and exercises save layouts.
         if in_notebook():
-            say(f"Saved {path}. The real RViz2 opens it with: rviz2 -d {path}")
+            print_notice(f"Saved {path}. The real RViz2 opens it with: rviz2 -d {path}")
 
     def add(
         self,
@@ -301,11 +301,11 @@ class Viewer(KnownAttributes):
         seconds = round(self.scene_recording.duration) if playback else 0
         subject = f"{seconds} s of robot time" if seconds else "the view"
         # A history of two minutes takes seconds.
-        say(f"Saving {subject} …")
+        print_notice(f"Saving {subject} …")
         size = save_html(scene, path, title=f"Viewer: {self.fixed_frame}").stat().st_size
         how = "right-click it in the file browser, Open in New Browser Tab"
         how = how if in_notebook() else "any browser"
-        say(f"Saved {path} ({size / 1e6:.1f} MB). To open it: {how}. It works offline.")
+        print_notice(f"Saved {path} ({size / 1e6:.1f} MB). To open it: {how}. It works offline.")
 
     def screenshot(
         self,
@@ -321,7 +321,7 @@ class Viewer(KnownAttributes):
         picture = screenshot(self.scene, size=size) if png is None else Picture(png, "page")
         if path is not None:
             picture.save(path)
-            say(f"Saved {path}.")
+            print_notice(f"Saved {path}.")
         return picture
 
     def beside(self) -> None:

@@ -42,7 +42,7 @@ class DragRules(Message, frozen=True):
     ground: float  # [m] height of the target frame
     # Diameter [m] of the disc at the focal point while the mouse turns the view; 0 without one.
     focal_size: float
-    # Whether it has this diameter at any distance, and not at 1 m.
+    # Whether the disc has this diameter at any distance. Otherwise it has it at 1 m.
     focal_fixed: bool
 
 
@@ -73,7 +73,7 @@ class ViewController(PropertyHolder):
             self[label] = value
 
     def on_property_change(self, label: str) -> None:
-        """Show the change."""
+        """Report the change of a property to `on_change`."""
         self.on_change()
 
     def __repr__(self) -> str:
@@ -104,7 +104,7 @@ class ViewController(PropertyHolder):
         )
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
-        """Set properties from a layout, and store it."""
+        """Set properties from the view's part of a layout, and keep that part for saving."""
         self.config, self._followed = config, ""
         return super().load(config)
 
@@ -128,9 +128,11 @@ class ViewController(PropertyHolder):
 
     def set_from_camera(self, camera: Camera) -> None:
         """Set the properties from a camera that the user turned, without sending it again."""
-        self.set_quietly(self._values_for(camera, np.subtract(camera.target, camera.eye), self._target))
+        self.set_without_callback(
+            self._values_for(camera, np.subtract(camera.target, camera.eye), self._target)
+        )
 
-    def set_quietly(self, values: Mapping[str, Any]) -> None:
+    def set_without_callback(self, values: Mapping[str, Any]) -> None:
         """Set properties by label without calling `on_change`."""
         self._values |= {label: self._property(label).convert(value) for label, value in values.items()}
 
@@ -170,7 +172,7 @@ def point(array: Floats) -> tuple[float, float, float]:
 
 __all__ = ["FPS", "FrameAligned", "Orbit", "ThirdPersonFollower", "TopDownOrtho", "ViewController", "XYOrbit"]
 
-# A fraction of a vector that leaves its direction unchanged.
+# A factor so small that adding this part of another vector does not change a direction.
 _BARELY = 1e-9
 # Height of the camera that looks down [m].
 _TOP_HEIGHT = 500.0
@@ -211,7 +213,7 @@ class Orbit(ViewController):
         super().mimic(other, frames)
         if isinstance(other, TopDownOrtho):
             below = {"Distance": _ABOVE, "Focal Point": (other["X"], other["Y"], 0.0)}
-            self.set_quietly({**below, "Yaw": 1.5 * pi, "Pitch": PITCH_LIMIT})
+            self.set_without_callback({**below, "Yaw": 1.5 * pi, "Pitch": PITCH_LIMIT})
         elif not isinstance(other, Orbit):
             camera = other.camera(frames)
             eye, ahead = np.array(camera.eye), np.subtract(camera.target, camera.eye)
@@ -499,7 +501,7 @@ class Framing:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        # Paths of displays, and of what programs add themselves, that have drawn something.
+        # Paths of displays, and of objects added by programs, that have drawn something.
         self._known_paths: set[str] = set()
 
     def choose(self, view: Orbit, camera: Camera, references: set[str], *, is_opened: bool) -> bool:
@@ -589,7 +591,7 @@ def _move(view: Orbit, corners: Floats) -> bool:
     x, y, z = (focus + 0.0).tolist()
     values = {"Distance": min(max(round(distance, 1), _NEAREST), _FARTHEST), "Focal Point": (x, y, z)}
     is_changed = any(view[label] != value for label, value in values.items())
-    view.set_quietly(values)
+    view.set_without_callback(values)
     return is_changed
 
 

@@ -1,2 +1,2 @@
+from .export import check_package as check_package
 from .export import export as export
-from .export import lacks as lacks

@@ -212,7 +212,7 @@ class Report:
         return lines or [f"{self.name} has everything that a package needs."]
 
 
-def lacks(folder: Path) -> Report:
+def check_package(folder: Path) -> Report:
     """Check the folder of a package for missing files and entries.
 
     Args:

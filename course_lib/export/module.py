@@ -72,7 +72,7 @@ def _split_off_modules(cell: Cell, folder: Path) -> Iterator[Cell]:
 
 
 def without_magics(source: str) -> str:
-    """Convert a cell to Python: its magics become calls, and its mark for export is removed."""
+    """Convert a cell to Python: its magics become calls, and its `# export` comment is removed."""
     from IPython.core.inputtransformer2 import TransformerManager
 
     manager = TransformerManager()

@@ -198,7 +198,7 @@ class Advice:
         # A message that is never sent has a better hint, the missing call.
         if causes[:1] == [SILENT] and slip.endswith(UNREAD) and texts[0]:
             slip = ""
-        best_hint = slip or next((text for text in texts if text and not code.follows(text)), "")
+        best_hint = slip or next((text for text in texts if text and not code.has_code_of(text)), "")
         lines = [f"Hint: {best_hint}"] if best_hint else []
         if before is not None and (now.passed, now.fraction) > (before.passed, before.fraction):
             of = f"{now.passed} of {len(result.checks)}"
@@ -213,8 +213,8 @@ class Advice:
         return lines
 
     def _next_step(self, task: Task, code: "Code") -> list[str]:
-        """Return the next step of the ladder, or the last step again."""
-        steps = [number for number, text in enumerate(task.hints, 1) if not code.follows(text)]
+        """Return the next of the task's step-by-step hints, or the last one again."""
+        steps = [number for number, text in enumerate(task.hints, 1) if not code.has_code_of(text)]
         if not steps:
             return []
         later = [number for number in steps if number > self._steps[task.id]]
@@ -271,7 +271,7 @@ class Code:
         ]
         return bases == ["Node"]
 
-    def follows(self, hint: str) -> bool:
+    def has_code_of(self, hint: str) -> bool:
         """Return whether the code already contains the code that a hint has in backticks."""
         snippets = _SNIPPET.findall(hint)
         return bool(snippets) and all(self.has(snippet) for snippet in snippets)

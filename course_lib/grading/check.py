@@ -78,7 +78,7 @@ def check(task_id: str, subject: Any = MISSING) -> None:
         for scenario in task.scenarios:
             record = run_in_this_process(task, scenario, subject, personal, wall_limit=limit)
             runs.append(Run(scenario, record))
-            # An endless loop of one scenario is one of the others, too.
+            # An endless loop in one scenario also occurs in the others.
             limit = SHORT_LIMIT if record.stopped else limit
     result = judge_task(task, *catalog.points(task), runs)
     evidence = [run.evidence for run in runs]

@@ -87,7 +87,8 @@ class ProcessPool(Threads):
             except BrokenExecutor:
                 self._local.process = None
         raise CourseError(
-            f"the process that graded it died {TRIES} times: it was killed, or ran out of memory"
+            f"the process that graded it died {TRIES} times: it was killed, or ran out of memory. "
+            "Repeat the command with --resume and a smaller --jobs"
         )
 
 
@@ -149,7 +150,7 @@ def _client(address: str) -> Any:
         ) from error
 
 
-def flow(
+def submit_in_window(
     executor: Executor,
     function: Callable[..., Any],
     calls: Iterable[tuple[Tag, Sequence[Any]]],

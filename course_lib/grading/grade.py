@@ -32,12 +32,12 @@ from course_lib.course.exercise import exercise_from, notebook_text, read_notebo
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
 from course_lib.grading import store
-from course_lib.grading.executors import call_in_child, executors, flow
+from course_lib.grading.executors import call_in_child, executors, submit_in_window
 from course_lib.grading.jail.filters import Need
 from course_lib.grading.judge import judge, judge_in_child
 from course_lib.grading.marks import GradebookRow, MarkedResult, mark, read_marks, stored_result
 from course_lib.grading.records import Fault, Judgement, Result, Submission
-from course_lib.grading.reports.rendering import join_few, printable, say
+from course_lib.grading.reports.rendering import join_few, print_line, replace_controls
 from course_lib.grading.reports.report import has_page, report
 from course_lib.grading.reports.tables import review_reasons, write_check_times, write_tables
 from course_lib.grading.run.run import (
@@ -330,7 +330,7 @@ def _find(submissions: Path, course: store.Course) -> list[Submission]:
     """Find all submissions; print a note about the time zone if the course does not set one."""
     settings = store.catalog_of(course).course
     if settings.zone_note:
-        say(settings.zone_note)
+        print_line(settings.zone_note)
 
     def is_accepted(submission: Submission) -> bool:
         week = submission.exercise.split("_")[0]
@@ -342,13 +342,13 @@ def _find(submissions: Path, course: store.Course) -> list[Submission]:
     )
     resolved = resolve_ids(all_submissions, submissions)
     for line in (*skipped_files(submissions), *unfinished_lines(submissions)):
-        say(line)
+        print_line(line)
     # Extensions may name an unknown student, such as a misspelled group.
     students = {submission.student for submission in resolved}
     weeks = {submission.exercise.split("_")[0] for submission in resolved} & settings.weeks.keys()
     for week in sorted(weeks):
         if unknown := settings.unknown_extensions(week, students):
-            say(
+            print_line(
                 f"note: the extensions of {week} in course.toml contain {join_few(unknown)}: "
                 "there is no such group, and no such student has submitted anything."
             )
@@ -368,7 +368,9 @@ def _find_pending(
         missing = {k: job for k, job in jobs.items() if not store.evidence_path(out, k).is_file()}
     if rejudge:
         for lost in (attempts for attempts in line if attempts.jobs.keys() & missing.keys()):
-            say(f"{lost.student}  {lost.exercise}  no evidence for these inputs: grade it without --rejudge")
+            print_line(
+                f"{lost.student}  {lost.exercise}  no evidence for these inputs: grade it without --rejudge"
+            )
         line = [attempts for attempts in line if not attempts.jobs.keys() & missing.keys()]
         missing = {}
     return Pending(line, missing, course, out, resume, rejudge)
@@ -427,13 +429,13 @@ def _grade_with_progress(work: Pending, jobs: int, dask: str | None) -> list[Gra
             for row in _grade_all(work, min(jobs, max(total, 1)), dask):
                 if row.status != "graded":
                     cells = (row.student, row.exercise, row.status, row.reason, row.message)
-                    line = printable("  ".join(cells))
+                    line = replace_controls("  ".join(cells))
                     progress.console.print(line, markup=False, highlight=False, soft_wrap=True)
                 progress.advance(bar)
                 progress.update(bar, rate=f"{progress.tasks[bar].speed or 0:.1f}/s")
                 rows.append(row)
     except KeyboardInterrupt:
-        say("Interrupted. Nothing is lost: the same command with --resume continues.")
+        print_line("Interrupted. Nothing is lost: the same command with --resume continues.")
         raise
     return rows
 
@@ -447,14 +449,14 @@ def _grade_all(work: Pending, jobs: int, dask: str | None) -> Iterator[Gradebook
     with executors(jobs, dask if work.missing else None) as (runner, judge_executor, window):
         if work.missing:
             for note in runner.submit(prepare, course.sandbox, course.forbidden_paths).result():
-                say(note)
+                print_line(note)
         exercises = {attempts.exercise for attempts in work.line if attempts.jobs}
         for note in run_preflight(exercises, course, out, runner, judge_executor, may_run=not work.rejudge):
-            say(note)
-        ran = flow(runner, run, ((key, [job]) for key, job in work.missing.items()), window)
+            print_line(note)
+        ran = submit_in_window(runner, run, ((key, [job]) for key, job in work.missing.items()), window)
         ready = _await_evidence(work, ran)
         calls = ((pair, (*pair, course, out, work.resume)) for pair in ready)
-        for (attempts, faults), future in flow(judge_executor, judge_mark_report, calls, window):
+        for (attempts, faults), future in submit_in_window(judge_executor, judge_mark_report, calls, window):
             try:
                 yield future.result()
             except store.RecordsWriteError:
@@ -597,7 +599,7 @@ def _finish(
     with store.writing(out):
         compare_class(found_submissions, out, work.course.exercises, zone, catalog.tasks.values())
     for line in _note_lines([attempts.submissions[-1] for attempts in work.line]):
-        say(line)
+        print_line(line)
     with store.writing(out):
         marked_results = write_tables(out, zone)
     results = [result.result for result in marked_results]
@@ -605,17 +607,17 @@ def _finish(
         for folder in (work.course.exercises, work.course.solutions):
             # Results have no paths of this machine, but whoever corrects a check needs one.
             line = line.replace(f" {folder.name}/checks/", f" {folder}/checks/")
-        say(line)
+        print_line(line)
     statuses = sorted(Counter(row.status for row in rows).items())
     counts = ", ".join(f"{number} {status}" for status, number in statuses)
-    say(f"{format_count(len(rows), 'submission')}: {counts or 'nothing to do'}.")
+    print_line(f"{format_count(len(rows), 'submission')}: {counts or 'nothing to do'}.")
     for isolation, number in Counter(result.isolation for result in results).most_common():
-        say(f"Isolation of {format_count(number, 'submission')}: {isolation}.")
+        print_line(f"Isolation of {format_count(number, 'submission')}: {isolation}.")
     for concern in review_reasons(marked_results, out):
-        say(f"Please review: {concern.line(out)}")
+        print_line(f"Please review: {concern.line(out)}")
     for line in missing_file_lines(results, found_submissions, *work.course.private_folders):
-        say(line)
-    say(f"Wrote {out / 'gradebook.csv'} and {out / 'reports/index.html'}")
+        print_line(line)
+    print_line(f"Wrote {out / 'gradebook.csv'} and {out / 'reports/index.html'}")
 
 
 # Number of submissions that are listed with the same kind of note.

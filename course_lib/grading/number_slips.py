@@ -106,7 +106,7 @@ def _integer_quotients(function: Function) -> Iterator[str]:
 
 
 def _cut_quotients(function: Function) -> Iterator[str]:
-    """Yield a question about int( ) or round( ) of a quotient that is returned or set."""
+    """Yield a question about int( ) or round( ) of a quotient that is returned or assigned."""
     for node in ast.walk(function):
         match node:
             case ast.Assign(
@@ -523,7 +523,7 @@ def _is_wider(wider: ast.Compare, other: ast.Compare) -> bool:
 
 
 def _item_products(function: Function) -> Iterator[str]:
-    """Yield a sentence for each product or sum of a matrix that is computed item by item."""
+    """Yield a sentence for each product or sum of a matrix that is computed element by element."""
     matrices = [
         ast.unparse(node.targets[0])
         for node in ast.walk(function)

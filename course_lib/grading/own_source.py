@@ -21,7 +21,7 @@ from course_lib.ros.student_code import is_student_file
 
 # Limit on the definitions of one answer.
 MOST_DEFINITIONS = 50
-# The class of what functools.cache and functools.lru_cache return.
+# The class of functions wrapped by functools.cache or functools.lru_cache.
 _CACHE = type(functools.cache(len))
 Definition = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
 Scope = Mapping[str, Any]
@@ -82,7 +82,7 @@ def _with_helpers(own: str, scope: Scope, find: Find, week: str) -> str:
             if found and found[0] not in sources:
                 sources[found[0]] = None
                 waiting.append(found)
-    handed_out = _handed_out(week)
+    handed_out = _released_definitions(week)
     return "\n\n".join(text for text in sources if text == own or text not in handed_out)
 
 
@@ -139,7 +139,7 @@ def _function_of(value: Any) -> FunctionType | None:
         return None
     for member in vars(value).values():
         function = _unwrap(member.fget if isinstance(member, property) else member)
-        # A class may also have functions of other places as attributes.
+        # A class may also have functions defined elsewhere as attributes.
         if (
             isinstance(function, FunctionType)
             and function.__qualname__.startswith(f"{value.__qualname__}.")
@@ -212,7 +212,7 @@ def _used_names(text: str) -> Iterator[str]:
 
 
 @cache
-def _handed_out(week: str) -> frozenset[str]:
+def _released_definitions(week: str) -> frozenset[str]:
     """Return the sources of the definitions in the unchanged exercise."""
     try:
         notebook = read_notebook(exercises_dir() / f"{week}_exercise.ipynb")

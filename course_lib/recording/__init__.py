@@ -259,7 +259,7 @@ def read_bag(folder: str | Path) -> Recording:
     except Exception as error:
         for topic in _topics_in_metadata(bag_metadata(path)):
             check_format(path, topic["name"], topic.get("serialization_format", CDR))
-        # rosbags looks the encoding of each definition up, and does not know this one.
+        # rosbags looks up the encoding of each definition, and does not know this one.
         is_unknown_encoding = isinstance(error, KeyError) and error.args == (TEXT_ENCODINGS[-1],)
         return _read_files(path, "" if is_unknown_encoding else _describe_damage(path, error))
     if len(samples) < listed_count and bag_metadata(path).get("compression_mode", "") in ("", "NONE"):
@@ -474,7 +474,8 @@ def bag_metadata(folder: Path) -> dict[str, Any]:
 
     try:
         text = read_text(folder / METADATA)
-        # In C where it is compiled: the other one takes a second for a line of nested brackets.
+        # The loader in C, where it is available: the Python one takes a second for a line of nested
+        # brackets.
         loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
         about = dict(yaml.load(text, loader)["rosbag2_bagfile_information"])
         return about | {"relative_file_paths": [str(name) for name in about["relative_file_paths"]]}

@@ -110,7 +110,7 @@ def twist_jacobian(twist: Floats) -> Matrix:
     return np.eye(6) - adjoint / 2 + second * square + fourth * square @ square
 
 
-# Offsets for x and y, so that rounding does not decide between components of equal size.
+# Offsets that prefer x, then y, so that rounding does not decide between equal components.
 _EARLIER = np.array([2e-12, 1e-12, 0.0])
 
 

@@ -34,6 +34,7 @@ from course_lib.third_party import read_text
 
 MODES = ("trinary", "scale", "raw")
 FORMATS = ("pgm", "png", "bmp")
+_KEYS = "image, resolution, origin, negate, occupied_thresh and free_thresh"
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # Values of cells, and the gray levels of nav2_map_server for them.
 _FREE, _OCCUPIED, _UNKNOWN = 0, 100, -1
@@ -88,8 +89,7 @@ def read_settings(path: Path) -> MapSettings:
     except yaml.YAMLError as error:
         raise MapYamlError(f"{path}: not YAML: {' '.join(str(error).split())}.") from None
     if not isinstance(content, Mapping):
-        keys = "image, resolution, origin, negate, occupied_thresh and free_thresh"
-        raise MapYamlError(f"{path}: expected a mapping with {keys}, got {content!r:.40}.")
+        raise MapYamlError(f"{path}: expected a mapping with {_KEYS}, got {content!r:.40}.")
     values = _YamlValues(path, content)
     mode = str(content.get("mode", "trinary")).lower()
     if mode not in MODES:
@@ -126,7 +126,7 @@ class _YamlValues(NamedTuple):
 
     def value(self, key: str) -> Any:
         if key not in self.content:
-            raise MapYamlError(f"{self.path}: the key '{key}' is missing.")
+            raise MapYamlError(f"{self.path}: the key '{key}' is missing. Expected {_KEYS}.")
         return self.content[key]
 
     def as_number(self, key: str, value: Any) -> float:
@@ -175,7 +175,7 @@ def _read_image(path: Path) -> tuple[np.ndarray, np.ndarray]:
     try:
         with Image.open(path) as image:
             if image.mode.startswith("I"):
-                # Images with 16 bits.
+                # The image has 16 bits per pixel.
                 gray = (np.asarray(image, np.float64) * (255 / 65535)).round().astype(np.uint8)
             else:
                 gray = np.asarray(image.convert("RGB").convert("L"))

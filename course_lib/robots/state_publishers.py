@@ -21,14 +21,14 @@ from course_lib.robots.kinematics import joint_poses
 from course_lib.robots.trajectory import period_of
 from course_lib.robots.urdf import MANY_RADIANS, MOVING, Joint, Mimic, parse_urdf
 from course_lib.ros.near_names import nearest
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_notice
 from course_lib.ros.time import pace
 
 if TYPE_CHECKING:
     from ipywidgets import HBox, VBox
 
 _KINDS = ("position", "velocity", "effort")
-# In characters. The end of a longer name of a slider is cut off.
+# Maximum length of a slider's name, in characters. Longer names are truncated.
 LONGEST_NAME = 26
 # The number of hints that a node prints about joint states.
 _MOST_HINTS = 5
@@ -59,8 +59,8 @@ class FreeJoint:
     velocity: float | None = None
     effort: float | None = None
     is_continuous: bool = False
-    # The direction in which the parameter `delta` moves it.
-    moves_up: bool = True
+    # Whether the parameter `delta` currently increases the position.
+    is_moving_up: bool = True
     # The newest slider, which follows the position.
     slider: Any = field(default=None, repr=False, compare=False)
 
@@ -212,12 +212,12 @@ class JointStatePublisher(Node):
             if joint.position is None:
                 continue
             # A step, which reverses its direction at a limit.
-            joint.position += delta if joint.moves_up else -delta
-            if joint.position > joint.upper and joint.moves_up:
+            joint.position += delta if joint.is_moving_up else -delta
+            if joint.position > joint.upper and joint.is_moving_up:
                 joint.position = joint.lower if joint.is_continuous else joint.upper
-                joint.moves_up = joint.is_continuous
-            elif joint.position < joint.lower and not joint.moves_up:
-                joint.position, joint.moves_up = joint.lower, True
+                joint.is_moving_up = joint.is_continuous
+            elif joint.position < joint.lower and not joint.is_moving_up:
+                joint.position, joint.is_moving_up = joint.lower, True
         for kind in _KINDS:
             known_values = {
                 name: value for name, j in self.joints.items() if (value := getattr(j, kind)) is not None
@@ -449,7 +449,7 @@ class RobotStatePublisher(Node):
     def _hint(self, joint: str, text: str) -> None:
         """Print a hint about the joint states, one for each joint; "" stands for all joints."""
         if joint not in self._hinted and self._hint_count < _MOST_HINTS:
-            say(f"hint: a message on /joint_states {text}")
+            print_notice(f"hint: a message on /joint_states {text}")
             self._hint_count += 1
         self._hinted.add(joint)
 

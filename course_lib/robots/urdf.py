@@ -42,7 +42,7 @@ class _Tag:
     name: str
     numbers: tuple[str, ...]
     needed: tuple[tuple[str, str], ...] = ()
-    # Prefix of its error messages.
+    # Prefix of urdfdom's error messages about the tag.
     before: str = ""
 
 
@@ -241,12 +241,12 @@ _CHILDREN = {
     "material": {"color", "texture"},
 }
 _OF_ORIGIN = {"xyz", "rpy", "quat_xyzw"}
-# More than this is rather in degrees: two turns [rad].
+# Two turns [rad]. A larger angle is probably in degrees.
 MANY_RADIANS = 4 * pi
 
 
 def find_slips(text: str) -> Iterator[str]:
-    """Yield hints about parts of a valid URDF that urdfdom ignores or that are rather in degrees."""
+    """Yield hints about parts of a URDF that urdfdom ignores and angles that may be in degrees."""
     robot = _root(text)
     for element in robot.iter():
         names = _CHILDREN.get(element.tag, set())
@@ -481,7 +481,7 @@ class Joint:
 
     @property
     def unit(self) -> str:
-        """The unit of its position."""
+        """The unit of the joint's position."""
         return "m" if self.kind == "prismatic" else "rad"
 
 

@@ -41,7 +41,7 @@ class Hint:
     """A hint for exceptions whose text matches and that are marked with `mistake`, if it is set."""
 
     text: str
-    # May refer to groups of the match, such as {1}.
+    # The hint's text, which may refer to groups of the match, such as {1}.
     hint: str
     mistake: Mistake | None = None
 
@@ -538,7 +538,7 @@ def _base_class_hint(error: BaseException) -> str:
 
 
 def _file_hint(error: BaseException) -> str:
-    """Return a question with the file of the folder that a missing file's name resembles, or ""."""
+    """Return a question with the file name closest to a missing file's name, or ""."""
     missing = error.filename if isinstance(error, FileNotFoundError) else None
     if not isinstance(missing, str | Path) or len(str(missing)) > MAX_TEXT:
         return ""
@@ -607,7 +607,7 @@ def _order_hint(error: BaseException, text: str) -> str:
         return ""
     kind = variables.get("srv_type", variables.get("msg_type", variables.get("action_type")))
     name = variables.get("srv_name", variables.get("topic", variables.get("action_name")))
-    # With a name in quotes in its place, the mistake is the type: a string, or an object of the type.
+    # If the name is a string, the type is wrong: it is a string too, or an instance.
     if isinstance(name, str):
         return _type_hint(kind)
     position = "after the node, the type comes" if "Action" in call else "pass the type"

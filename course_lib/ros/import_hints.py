@@ -105,7 +105,7 @@ _FROM_PIP = {
     "websockets": "websockets",
     "zmq": "pyzmq",
 }
-# What is installed and does the same as some of these packages.
+# Installed replacements for some of these packages.
 _INSTEAD = [
     (
         ("scipy", "pyquaternion", "quaternion", "squaternion"),

@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 
 from course_lib.errors import format_count
 
-# Number of equal lines in a row that are printed.
+# Number of consecutive equal lines that are printed.
 SHOWN_LINES = 5
 
 
-def say(line: str) -> None:
+def print_notice(line: str) -> None:
     """Print a notice in the cell's output."""
     sys.stdout.write(f"{line}\n")
 
@@ -42,9 +42,9 @@ class ReplacedNodes:
         names = list(dict.fromkeys(self._names))
         self._names.clear()
         if len(names) == 1:
-            say(f"The new node {names[0]} replaces the one of the same name.")
+            print_notice(f"The new node {names[0]} replaces the one of the same name.")
         elif names:
-            say(f"New nodes replace nodes with the same names: {', '.join(names)}.")
+            print_notice(f"New nodes replace nodes with the same names: {', '.join(names)}.")
 
 
 @dataclass(eq=False, repr=False)

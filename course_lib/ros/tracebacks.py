@@ -17,7 +17,7 @@ from typing import Any
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.hints import add_hint
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_notice
 from course_lib.ros.student_code import KIT, is_student_file
 
 # Frames between an import and the module, which Python does not show either, and frames of context
@@ -225,4 +225,4 @@ def describe_interruption(reason: str, line: str = "") -> None:
     if reason and not graph.notebook and ident not in explained:
         explained.add(ident)
         place = line or line_of_thread(ident) or "a wait"
-        say(f"hint: interrupted in {place.rstrip(':')}: {reason}")
+        print_notice(f"hint: interrupted in {place.rstrip(':')}: {reason}")

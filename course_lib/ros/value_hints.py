@@ -253,7 +253,7 @@ def _item_hint(index: int, item: Any, text: str) -> str:
     if names and isinstance(item, list | tuple | np.ndarray) and len(item) == len(names):
         parts = ", ".join(f"{name}=item[{place}]" for place, name in enumerate(names))
         return f"item {index} is only numbers. Make a message of each: {wanted}({parts})."
-    # A point that is three numbers is not a list in the list.
+    # Three numbers in place of a point are not a nested list.
     is_nested = isinstance(item, list | tuple | np.ndarray)
     if is_nested and plain_type is None and any(isinstance(one, str) for one in item):
         return ""

@@ -15,7 +15,7 @@ _SMALL = (
     "tf2_msgs/msg/TFMessage", "nav_msgs/msg/Odometry", "sensor_msgs/msg/Imu", "sensor_msgs/msg/JointState",
     "sensor_msgs/msg/LaserScan",
 )  # fmt: skip
-# Time to receive them [s].
+# Time for receiving messages on these topics [s].
 LISTENING = 1.0
 Rows = list[tuple[str, object]]
 

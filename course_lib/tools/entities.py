@@ -27,7 +27,7 @@ from course_lib.ros.messages.definitions import (
 )
 from course_lib.ros.messages.interface_files import PARTS, PLACEHOLDER, kit_files
 from course_lib.ros.time.interrupts import until_interrupted
-from course_lib.tools.sources import Source, answer, is_hidden, own_node
+from course_lib.tools.sources import Source, is_hidden, own_node, wait_for_response
 from course_lib.tools.verb import (
     NODE_OPTIONS,
     Option,
@@ -83,7 +83,7 @@ def _call_service(source: Source, arguments: Namespace, write: Write) -> None:
         while not source.graph.ended:
             write(f"requester: making request: {request!r}\n\n")
             begun_ns = source.graph.now_ns
-            response = answer(source, client.call_async(request), name, limit, has_server)
+            response = wait_for_response(source, client.call_async(request), name, limit, has_server)
             write(f"response:\n{response!r}\n\n")
             if arguments.rate is None:
                 return
@@ -172,7 +172,7 @@ def _send_goal(source: Source, arguments: Namespace, write: Write) -> None:
 
         has_server = partial(_has_server, node, client)
         goal_future = client.send_goal_async(goal, show if arguments.feedback else None)
-        handle = answer(source, goal_future, name, source.limit(), has_server)
+        handle = wait_for_response(source, goal_future, name, source.limit(), has_server)
         if handle.accepted:
             write(f"Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n\n")
             _wait_for_goal_end(source, handle, write, has_server)
@@ -185,12 +185,12 @@ def _wait_for_goal_end(source: Source, handle: Any, write: Write, has_server: Ca
 
     future = handle.get_result_async()
     try:
-        result = answer(source, future, "The action", source.limit(GOAL_LIMIT), has_server)
+        result = wait_for_response(source, future, "The action", source.limit(GOAL_LIMIT), has_server)
         write(f"Result:\n    {_text(result.result)}\nGoal finished with status: {STATES[result.status]}\n")
     finally:
         if future._pending() and has_server() and not source.graph.ended:
             write("Canceling goal...\n")
-            response = answer(source, handle.cancel_goal_async(), "The action", source.limit())
+            response = wait_for_response(source, handle.cancel_goal_async(), "The action", source.limit())
             write("Goal canceled.\n" if response.goals_canceling else "Failed to cancel goal\n")
 
 
@@ -353,7 +353,7 @@ def _call_lifecycle_service(
     name = f"{node_name}/{service}"
     with until_interrupted(), own_node(source) as node:
         future = node.create_client(kind, name).call_async(kind.Request(**fields))
-        return answer(source, future, name, source.limit(ANSWER_LIMIT))
+        return wait_for_response(source, future, name, source.limit(ANSWER_LIMIT))
 
 
 def _lifecycle_nodes(source: Source, *, with_hidden: bool) -> list[str]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.notices import print_to_stderr
-from course_lib.tools.sources import Source, answer, is_hidden, own_node
+from course_lib.tools.sources import Source, is_hidden, own_node, wait_for_response
 from course_lib.tools.verb import NODE_OPTIONS, Option, Run, Verb, Write, flag, pattern, value
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ def parameter_client(source: Source, node_name: str) -> Iterator[Any]:
 
         def ask(method: str, *arguments: Any) -> Any:
             future: Future[Any] = getattr(client, method)(*arguments)
-            return answer(source, future, full, ANSWER_LIMIT)
+            return wait_for_response(source, future, full, ANSWER_LIMIT)
 
         yield ask
 

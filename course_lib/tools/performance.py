@@ -16,7 +16,7 @@ from course_lib.files import save_as
 from course_lib.recording import Recording, read_bag, record
 from course_lib.ros.graph.graph import Sample, current_graph
 from course_lib.ros.messages import message_class
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_notice
 from course_lib.ros.time.driving import spin_for
 from course_lib.tools.sources import ALWAYS_THERE
 
@@ -36,7 +36,7 @@ class TopicRow:
 
     topic: str
     messages: int
-    # 0 for fewer than two messages, as is the jitter [Hz].
+    # Messages per second [Hz]. Rate and jitter are 0 for fewer than two messages.
     rate: float
     # Standard deviation of the time between messages [s].
     jitter: float
@@ -134,7 +134,7 @@ class Chart:
             CourseError: The file cannot be written.
         """
         save_as(path, self.png(), "the picture")
-        say(f"Saved {path}.")
+        print_notice(f"Saved {path}.")
 
     def _repr_html_(self) -> str:
         data = b64encode(self.png()).decode()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import Graph, use_graph
 from course_lib.ros.programs import import_path
-from course_lib.ros.programs.process import Function
+from course_lib.ros.programs.process import FunctionProcess
 from course_lib.ros.programs.program import run_files
 from course_lib.ros.time.pace import WallPace
 from course_lib.ros.time.time_lock import AtEnd, time_lock
@@ -199,7 +199,7 @@ def run_with_tool(
 
     with use_graph(graph):
         # At the limit the tool returns, so that a verb can report missing messages.
-        tool_process = Function("ros2", run_tool, (), at_end=AtEnd.RETURN)
+        tool_process = FunctionProcess("ros2", run_tool, (), at_end=AtEnd.RETURN)
         code = run_files(files, seed=0, extra_processes=[tool_process], kit_executables=_KitExecutables())
     graph.close()
     if errors:

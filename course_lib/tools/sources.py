@@ -46,7 +46,7 @@ class StreamLimits:
     """Limits of a stream: total time, time without a message, and the period of its ticks, [s]."""
 
     seconds: float | None = None
-    patience: float | None = None
+    idle_seconds: float | None = None
     # Interval between ticks [s]; the first tick is at the start.
     every: float | None = None
 
@@ -66,11 +66,11 @@ class Source(ABC):
 
     def __init__(self, graph: Graph, always_there: Mapping[str, list[str]]) -> None:
         self.graph = graph
-        self._always_there = always_there
+        self._permanent_topics = always_there
 
     def topics(self, *, with_hidden: bool = True) -> dict[str, list[str]]:
         """Return the sorted types of each topic by name."""
-        types_by_topic = {name: set(types) for name, types in self._always_there.items()}
+        types_by_topic = {name: set(types) for name, types in self._permanent_topics.items()}
         for endpoint in (e for e in self.graph.endpoints() if e.service is None):
             types_by_topic.setdefault(endpoint.topic, set()).add(endpoint.type_name)
         return {
@@ -133,7 +133,7 @@ class GraphSource(Source):
         start_ns = last_received_ns = tick_ns = graph.now_ns
         with self._arrivals(topics) as arrived:
             while True:
-                spans = [(start_ns, limits.seconds), (last_received_ns, limits.patience)]
+                spans = [(start_ns, limits.seconds), (last_received_ns, limits.idle_seconds)]
                 deadlines_ns = [since_ns + round(time * 1e9) for since_ns, time in spans if time is not None]
                 due_ns = [*deadlines_ns, tick_ns] if every else deadlines_ns
                 remaining = max(0, min(due_ns) - graph.now_ns) * 1e-9 if due_ns else None
@@ -256,7 +256,7 @@ def own_node(
         node.destroy_node()
 
 
-def answer(
+def wait_for_response(
     source: Source,
     future: "Future[Any]",
     server: str,

@@ -310,7 +310,7 @@ def _echo(source: Source, arguments: Namespace, write: Write) -> None:
         [endpoint.qos for endpoint in source.endpoints(topic, "pub")], PRESETS[arguments.qos_profile], write
     )
     start_ns, has_received, limit = source.graph.now_ns, False, None if arguments.once else source.limit()
-    limits = StreamLimits(patience=SILENCE_LIMIT, seconds=arguments.timeout or limit)
+    limits = StreamLimits(idle_seconds=SILENCE_LIMIT, seconds=arguments.timeout or limit)
     with until_interrupted():
         for heard_ns, arrival in source.stream({(topic, kind): qos}, limits):
             has_received = True

@@ -192,7 +192,7 @@ def kind_of(find: Any, type_name: str, folder: str) -> Any:
     try:
         # Services and actions are found by the names of their parts, which need a package.
         if not name_parts and folder != "msg":
-            raise CourseError(f"{type_name} has no package.")
+            raise CourseError(f"{type_name} has no package. Write PACKAGE/{folder}/{type_name}.")
         return find(full_name)
     except CourseError as error:
         if folder == "msg":

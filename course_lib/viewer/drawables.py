@@ -196,14 +196,15 @@ class Mesh:
         if faces is None:
             if count % 3:
                 raise CourseError(
-                    f"A mesh without faces needs 3 vertices per triangle, but there are {count}."
+                    f"A mesh without faces needs 3 vertices per triangle, but there are {count}. "
+                    "Pass faces, or all corners of each triangle."
                 )
             faces = np.arange(count).reshape(-1, 3)
         corners: UInt32s = checked_array("faces", faces, np.uint32, (None, 3))
         if corners.size and corners.max() >= count:
             raise CourseError(
                 f"A face of the mesh has the vertex index {corners.max()}, "
-                f"but the last vertex is {count - 1}."
+                f"but the last vertex is {count - 1}. Indices are counted from 0."
             )
         self.faces = corners
         self.colors = rgba(colors, count)
@@ -238,7 +239,8 @@ class Lines:
         self.points = float_array("points", points, (None, 3))
         if not strip and len(self.points) % 2:
             raise CourseError(
-                f"Lines in pairs need an even number of points, but there are {len(self.points)}."
+                f"Lines in pairs need an even number of points, but there are {len(self.points)}. "
+                "Pass two points for each line, or strip=True."
             )
         self.colors = rgba(colors, len(self.points))
         self.width = float(width)
@@ -384,7 +386,7 @@ def are_equal(one: Drawable, other: Drawable) -> bool:
     """
     if one is other or type(one) is not type(other) or isinstance(one, MeshcatObject):
         return one is other
-    # Cached properties follow from the arguments, and may exist in one of both only.
+    # Cached properties depend only on the arguments, and may exist in only one of the two.
     arguments, others = vars(one), vars(other)
     return all(
         np.array_equal(value, others[name]) if isinstance(value, np.ndarray) else value == others[name]
@@ -477,7 +479,7 @@ def parse_mesh(
         raise MeshFileError(f"This is not a {file_format.upper()} file: {NOT_FETCHED}.")
     if file_format == "dae":
         # Exporters leave these faults, which RViz's reader of XML ignores.
-        document, end, _ = data.lstrip().partition(_END_OF_DAE)  # zeros follow, or an older file
+        document, end, _ = data.lstrip().partition(_END_OF_DAE)  # zeros or old data follow
         data = _BARE_AMPERSAND.sub(b"&amp;", document + end)
         data = _TAG_IN_ATTRIBUTE.sub(lambda match: match[0].replace(b"<", b"&lt;"), data)
     try:

@@ -7,7 +7,7 @@ this module:
 - A page may load, reload or wake up at any time. It then gets a snapshot with the number of the
   last batch in it, and the numbers tell both ends whether they have the same scene.
 - A slow page must not pile up messages in the kernel's connection. Some batches request an
-  acknowledgement, and sending pauses while too many of these are pending (`Flow`). With it a page
+  acknowledgement, and sending pauses while too many of these are pending (`FlowControl`). With it a page
   reports how long a picture takes, and batches are not sent faster than the fastest page draws.
 - Most front ends deliver acknowledgements only after the running cell has ended, so a missing one
   does not mean that the page is slow.
@@ -89,7 +89,7 @@ class Page:
     drawing: float = 0.0
 
 
-class Flow:
+class FlowControl:
     """Flow control by acknowledgements.
 
     While a cell runs, most front ends delay acknowledgements; until it ends, everything is sent.
@@ -208,7 +208,7 @@ class PageLink:
         self._listeners: dict[str, Callable[[Content], None]] = {}
         self._send = send
         self._turn = turn
-        self._flow = Flow()
+        self._flow = FlowControl()
         self._loop = running_loop()
         self._lock = threading.RLock()
         # Whether the scene has changed since the last batch or snapshot.

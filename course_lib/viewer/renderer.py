@@ -43,9 +43,9 @@ _PROFILES: dict[drawables.Shape, Matrix] = {
 _CORNERS = [(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0)]
 # Two triangles, shape (2, 3, 3).
 SQUARE = np.array(_CORNERS, np.float32)[[[0, 1, 2], [0, 2, 3]]]
-# Sides +x -x, +y -y, +z -z.
+# Brightness of the sides: +x -x, +y -y, +z -z.
 _BOX_SHADES = np.array([(0.6, 0.6), (0.4, 1.0), (0.9, 0.5)], np.float32)
-# Center and rim.
+# Brightness of the corners of a disc's triangles: the center and two on the rim.
 _DISC_SHADES = np.array([[1.0], [0.8], [0.8]], np.float32)
 
 

@@ -139,7 +139,9 @@ def test_invalid_value_is_an_error_with_the_expected_type(convert: Any, given: A
 
 def grown() -> Thing:
     drawable = Thing()
-    drawable.grow(Property("Links/arm", True, flag), Property("Links/a/b", True, flag, ("Links", "a/b")))
+    drawable.add_properties(
+        Property("Links/arm", True, flag), Property("Links/a/b", True, flag, ("Links", "a/b"))
+    )
     return drawable
 
 
@@ -148,7 +150,7 @@ def test_dynamic_property_behaves_like_others_until_removed() -> None:
     drawable["Links/arm"] = False
     drawable["a/b"] = False
     assert drawable.seen == ["Links/arm", "Links/a/b"]
-    drawable.shrink("Links")
+    drawable.remove_properties("Links")
     assert drawable.properties == Thing.properties
     with pytest.raises(CourseError, match="no property 'arm'"):
         drawable["arm"] = True
@@ -157,20 +159,20 @@ def test_dynamic_property_behaves_like_others_until_removed() -> None:
 def test_dynamic_property_is_initialized_from_the_layout_or_its_former_value() -> None:
     drawable = Thing()
     drawable.load({"Links": {"arm": {"Value": False}, "hand": 3}})
-    assert drawable.grow(Property("Links/arm", True, flag)) == []
+    assert drawable.add_properties(Property("Links/arm", True, flag)) == []
     assert drawable["arm"] is False
     drawable["arm"] = True
-    drawable.shrink("Links")
-    drawable.grow(Property("Links/arm", True, flag))
+    drawable.remove_properties("Links")
+    drawable.add_properties(Property("Links/arm", True, flag))
     assert drawable["arm"] is True
-    assert drawable.grow(Property("Links/hand", True, flag)) == [
+    assert drawable.add_properties(Property("Links/hand", True, flag)) == [
         "Thing: 'Links/hand' is 3, expected True or False."
     ]
 
 
 def test_read_only_property_rejects_values() -> None:
     drawable = Thing()
-    drawable.grow(Property("Tree/Parent", "", read_only))
+    drawable.add_properties(Property("Tree/Parent", "", read_only))
     drawable.load({"Tree": {"Parent": "map"}})
     with pytest.raises(CourseError, match="the property is read-only"):
         drawable["Parent"] = "map"

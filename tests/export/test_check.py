@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.export.export import lacks
+from course_lib.export.export import check_package
 
 
 @pytest.fixture
@@ -31,18 +31,18 @@ def test_errors_in_package_files_are_reported(copy: Path, file: str, old: str, n
     (copy / file).write_text(
         text.replace(old, new).replace("launch/*.py", "lunch/*.py" if "lunch" in new else "launch/*.py")
     )
-    assert any(told in line for line in lacks(copy).missing)
+    assert any(told in line for line in check_package(copy).missing)
 
 
 @pytest.mark.parametrize("path", ["package.xml", "setup.py", "setup.cfg", "resource/perception_dashboard"])
 def test_missing_file_is_reported(copy: Path, path: str) -> None:
     (copy / path).unlink()
-    assert f"lacks: the file {path}" in lacks(copy).lines()
+    assert f"lacks: the file {path}" in check_package(copy).lines()
 
 
 def test_optional_entries_do_not_count_as_missing(copy: Path) -> None:
     shutil.rmtree(copy / "rviz")
-    report = lacks(copy)
+    report = check_package(copy)
     assert report.is_complete
     assert "advised: a file rviz/*.rviz" in report.lines()
     assert any("maintainer" in line for line in report.lines())
@@ -52,9 +52,9 @@ def test_optional_entries_do_not_count_as_missing(copy: Path) -> None:
 def test_python_syntax_error_is_reported_with_its_line(copy: Path, path: str) -> None:
     (copy / path).write_text("x = 1\ny = (\n")
     with pytest.raises(CourseError, match=f"{path}, line 2"):
-        lacks(copy)
+        check_package(copy)
 
 
 def test_missing_folder_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(CourseError, match="no folder"):
-        lacks(tmp_path / "nowhere")
+        check_package(tmp_path / "nowhere")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.export.export import export, lacks
+from course_lib.export.export import check_package, export
 from course_lib.recording import Recording
 from course_lib.ros.programs.build_files import executables_of
 from tests.export.conftest import write_notebook
@@ -42,7 +42,7 @@ def test_package_has_the_documented_structure(package: Path) -> None:
         *("launch/perception_dashboard.launch.py", "config/perception_dashboard.yaml"),
         *("rviz/perception_dashboard.rviz", "test/test_copyright.py", "test/test_sensor_publisher.py"),
     }
-    assert lacks(package).missing == ()
+    assert check_package(package).missing == ()
 
 
 def test_notebook_and_launched_package_publish_equal_messages(notebook: Path, package: Path) -> None:
@@ -227,7 +227,7 @@ def test_class_that_is_not_startable_is_exported_without_executable(
     written = export(file, "my_package", tmp_path)
     assert set(executables_of(tmp_path / "my_package" / "setup.py")) == executables
     assert any(re.match(note, line) for line in written.notes), written.notes
-    assert lacks(tmp_path / "my_package").missing == ()
+    assert check_package(tmp_path / "my_package").missing == ()
     tests = {path.name for path in (tmp_path / "my_package" / "test").glob("test_*.py")}
     assert {f"test_{name}.py" for name in executables} == tests - {
         "test_copyright.py", "test_flake8.py", "test_pep257.py"

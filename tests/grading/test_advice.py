@@ -157,7 +157,7 @@ SOURCE = """
     ],
 )
 def test_hint_is_omitted_if_the_code_already_contains_it(hint: str, is_there: bool) -> None:
-    assert Code(SOURCE).follows(hint) is is_there
+    assert Code(SOURCE).has_code_of(hint) is is_there
     task = replace(TASK, mistakes={MISTAKE: hint})
     first = Advice().hint(task, result(failing(MISTAKE)), SOURCE)
     assert first == (["Hint 1 of 3: one"] if is_there else [f"Hint: {hint}"])

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.grading.executors import CAN_FORK, InlineExecutor, ProcessPool, flow
+from course_lib.grading.executors import CAN_FORK, InlineExecutor, ProcessPool, submit_in_window
 from course_lib.grading.grade import grade
 from course_lib.grading.marks import results_in
 from course_lib.grading.run import run
@@ -226,7 +226,8 @@ def test_killed_worker_process_fails_only_its_own_call() -> None:
     with ProcessPool(2) as processes:
         calls = ((number, [number]) for number in range(5))
         ended = {
-            number: future.exception() or future.result() for number, future in flow(processes, die, calls, 4)
+            number: future.exception() or future.result()
+            for number, future in submit_in_window(processes, die, calls, 4)
         }
     assert isinstance(ended.pop(1), CourseError)
     assert ended == {number: number for number in (0, 2, 3, 4)}
@@ -240,6 +241,6 @@ def test_number_of_concurrent_calls_is_limited_by_the_window() -> None:
             taken.append(number)
             yield number, [number]
 
-    for ended, _ in enumerate(flow(InlineExecutor(), die, calls(), 3)):
+    for ended, _ in enumerate(submit_in_window(InlineExecutor(), die, calls(), 3)):
         assert len(taken) <= ended + 3
     assert len(taken) == 9

@@ -16,7 +16,7 @@ import pytest
 
 from course_lib.course.exercise import normalise
 from course_lib.errors import CourseError
-from course_lib.grading.reports.rendering import printable
+from course_lib.grading.reports.rendering import replace_controls
 from course_lib.grading.submissions import archives
 from course_lib.grading.submissions.collect import Collection, collect
 from course_lib.grading.submissions.notebook import parse_notebook
@@ -199,7 +199,7 @@ def test_student_whose_name_has_a_directional_override_is_collected(
 
 def test_lines_show_spaces_and_joiners_of_names_and_no_control_characters() -> None:
     name = "\u5c71\u3000\u592a \u0639\u200c\u0631"
-    assert printable(f"{name}\u202e\x1b[31m\u200f") == f"{name}\ufffd\ufffd[31m\ufffd"
+    assert replace_controls(f"{name}\u202e\x1b[31m\u200f") == f"{name}\ufffd\ufffd[31m\ufffd"
 
 
 @pytest.mark.parametrize("cell", ["4100001.0", "\u0664\u0661\u0660.0"])

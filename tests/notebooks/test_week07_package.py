@@ -8,7 +8,7 @@ import pytest
 
 from course_lib.course.exercise import read_notebook, source
 from course_lib.course.material import lessons_dir, solutions_dir
-from course_lib.export.export import export, lacks
+from course_lib.export.export import check_package, export
 from tests.export.conftest import write_notebook
 from tests.ros.launch.run import recorded
 
@@ -46,4 +46,4 @@ def test_launched_package_publishes_the_same_messages_as_the_notebook_nodes(
     topics = {topic.name for topic in launched.topics()}
     assert {"/tf", "/perception/markers", "/planned_path", "/robot_trajectory"} <= topics
     assert launched.digest() == in_notebook.digest()
-    assert lacks(package).missing == ()
+    assert check_package(package).missing == ()

@@ -9,7 +9,7 @@ import pytest
 
 from course_lib import cli
 from course_lib.errors import CourseError
-from course_lib.export.export import lacks
+from course_lib.export.export import check_package
 from course_lib.ros.graph.graph import START_NS, Graph, use_graph
 from course_lib.ros.hints import hint
 from course_lib.ros.programs.build_files import build_faults
@@ -437,7 +437,7 @@ def test_fault_in_a_package_file_is_reported_when_the_package_starts(
     assert f"warning: package 'my_robot' starts here, but not on a robot: {path}" in text
     assert fault in text
     assert "warning" not in run_program(workspace / "my_robot:talker", capsys)[1]
-    assert not lacks(path.parent).is_complete
+    assert not check_package(path.parent).is_complete
 
 
 def test_package_without_init_file_is_reported_if_setup_searches_packages(workspace: Path) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from course_lib.ros.graph.graph import Graph, use_graph
-from course_lib.ros.programs.program import seeded
+from course_lib.ros.programs.program import seed_generators
 from course_lib.ros.time import virtual_time
 from course_lib.ros.time.time_lock import time_lock
 from tests.patience import join
@@ -41,7 +41,7 @@ SOURCES: dict[str, Callable[[], Any]] = {
 def test_every_random_generator_repeats_per_seed_and_differs_between_seeds(name: str) -> None:
     drawn = []
     for seed in (1, 1, 2):
-        with use_graph(Graph()), seeded(seed), time_lock.hold():
+        with use_graph(Graph()), seed_generators(seed), time_lock.hold():
             drawn.append([SOURCES[name]() for _ in range(3)])
     assert drawn[0] == drawn[1] != drawn[2]
     assert drawn[0][0] != drawn[0][1]
@@ -49,7 +49,7 @@ def test_every_random_generator_repeats_per_seed_and_differs_between_seeds(name:
 
 def test_generator_states_are_restored_afterwards() -> None:
     before, state = os.urandom, random.getstate()
-    with seeded(1):
+    with seed_generators(1):
         random.random()
     assert os.urandom is before
     assert random.getstate() == state
@@ -59,7 +59,7 @@ def test_ordinary_threads_keep_unseeded_generators() -> None:
     virtual_time.install()
     drawn: list[bytes] = []
     for _ in range(2):
-        with seeded(1):
+        with seed_generators(1):
             thread = threading.Thread(target=lambda: drawn.append(os.urandom(8)))
             thread.start()
             join(thread)

@@ -43,7 +43,7 @@ def test_live_and_recorded_streams_differ_only_by_the_transport_delay(talker: No
 
 def test_timeout_ends_a_silent_stream(talker: Node, graph: Graph) -> None:
     start_ns = graph.now_ns
-    stream = GraphSource(graph).stream(TOPICS, StreamLimits(patience=0.5))
+    stream = GraphSource(graph).stream(TOPICS, StreamLimits(idle_seconds=0.5))
     for number, _ in enumerate(stream):
         if number == 2:
             talker.destroy_node()

@@ -203,7 +203,7 @@ def _remove_from_history(result: object) -> None:
                 holder[name] = ""
 
 
-def end_all(stops: Iterable[Callable[[], None]], cell: ViewerCell) -> None:
+def close_viewer(stops: Iterable[Callable[[], None]], cell: ViewerCell) -> None:
     """Close a viewer: its subscriptions and its cells."""
     for stop in stops:
         stop()

@@ -30,7 +30,15 @@ from course_lib.displays.properties import (
 )
 from course_lib.displays.registry import REGISTRY, describe_class, short_name
 from course_lib.displays.session import RvizSession
-from course_lib.displays.statuses import LEVELS, NOTES, Level, StatusRow, clip, contained, describe
+from course_lib.displays.statuses import (
+    LEVELS,
+    NOTES,
+    Level,
+    StatusRow,
+    describe,
+    exceptions_as_status,
+    shorten_middle,
+)
 from course_lib.displays.views import VIEWS, ViewController, view_of
 from course_lib.displays.writer import member_config, save_rviz, view_config
 from course_lib.errors import CourseError, format_count
@@ -77,7 +85,7 @@ class Rows(dict[str, RowEntry]):
         **shown: Any,
     ) -> None:
         """Add a row."""
-        self[key] = RowEntry(protocol.PanelRow(key, parent, clip(label), **shown), edit, member)
+        self[key] = RowEntry(protocol.PanelRow(key, parent, shorten_middle(label), **shown), edit, member)
 
     def put_properties(self, holder: PropertyHolder, parent: str) -> None:
         """Add the properties of an object that RViz displays, without its check box."""
@@ -269,7 +277,7 @@ class OrderHandler:
             **dict.fromkeys(_SCENE_ORDERS, self._act_in_scene),
         }
 
-    def carry_out(self, order: protocol.Order) -> None:
+    def execute(self, order: protocol.Order) -> None:
         """Execute an order.
 
         Raises:
@@ -470,7 +478,7 @@ class Desk:
                 change = self._row_watchers.add if order.watched else self._row_watchers.discard
                 change(str(content.get("page", "")))
             else:
-                self._orders.carry_out(order)
+                self._orders.execute(order)
         except Exception as error:
             # The page shows all errors, including errors of the kit.
             self._orders.notice = protocol.Notice("error", describe(error))
@@ -502,7 +510,7 @@ class Desk:
 
     def post(self, *, with_rows: bool = True) -> None:
         """Send the fields of the state and the rows that have changed."""
-        with contained(self._session.statuses, "Panels"):
+        with exceptions_as_status(self._session.statuses, "Panels"):
             self._is_post_scheduled, self._posted = False, wall.monotonic()
             sent = self._sent_state
             if with_rows or sent is None:

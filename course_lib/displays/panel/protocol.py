@@ -101,7 +101,7 @@ class PanelRow(Message, frozen=True):
     value: Any = None
     # State of the check box of a display.
     checked: bool | None = None
-    # Whether it is expanded initially.
+    # Whether the row is expanded initially.
     open: bool = False
     title: str = ""
     mark: LevelMark | None = None

@@ -49,7 +49,7 @@ class Tool(PropertyHolder):
         """Do nothing, because properties are read when the tool is used."""
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
-        """Set properties from a layout, and store it."""
+        """Set properties from the tool's part of a layout, and keep that part for saving."""
         self.config = config
         return super().load(config)
 
@@ -58,7 +58,7 @@ class PublishPoint(Tool):
     """A tool that publishes the clicked point."""
 
     type_name = "geometry_msgs/msg/PointStamped"
-    # Node through which it publishes, once advertised.
+    # Node through which the tool publishes, once its topic is advertised.
     node: RvizNode | None = None
     # Topic, type and QoS.
     advertised: tuple[str, str, Qos] | None = None
@@ -97,7 +97,7 @@ class PublishPoint(Tool):
 
     @property
     def topic(self) -> str:
-        """The fully resolved name of its topic."""
+        """The fully resolved name of the tool's topic."""
         return "/" + str(self["Topic"]).removeprefix("/")
 
 
@@ -166,7 +166,7 @@ def load_tools(tools: Iterable[Tool], configs: Sequence[Mapping[str, Any]]) -> I
         else:
             unknown.insert(0, repr(class_name))
     if unknown:
-        # A layout of ROS 1 has eight of them.
+        # A layout of ROS 1 has eight unknown tools.
         subject = "is no tool" if len(unknown) == 1 else "are no tools"
         yield f"There {subject} {', '.join(unknown)}; the layout keeps the settings."
 

@@ -123,7 +123,7 @@ class ReadablePaths:
 
 
 @cache
-def readable(forbidden_paths: tuple[str, ...] = ()) -> ReadablePaths:
+def find_readable_paths(forbidden_paths: tuple[str, ...] = ()) -> ReadablePaths:
     """Return the files that submissions may read on this machine.
 
     Args:
@@ -393,7 +393,7 @@ class TemplateProcess:
     def __init__(self, off: Collection[str] = (), forbidden_paths: tuple[str, ...] = ()) -> None:
         if not hasattr(os, "fork"):
             raise WorkerError("grading needs Linux, macOS or WSL2, because this system can't fork processes")
-        files = readable(forbidden_paths)
+        files = find_readable_paths(forbidden_paths)
         can_change_user = os.geteuid() == 0 and "process limit" not in off
         users = ["another", "real", "same"] if can_change_user else ["same"]
         output = ""
@@ -515,7 +515,7 @@ def shared_template(forbidden_paths: tuple[str, ...] = ()) -> TemplateProcess:
     Courses that lie outside everything that Python needs share a template, because their
     submissions may read the same files.
     """
-    files = readable(forbidden_paths)
+    files = find_readable_paths(forbidden_paths)
     if files not in _shared:
         _shared[files] = TemplateProcess(forbidden_paths=forbidden_paths)
         atexit.register(_shared[files].close)

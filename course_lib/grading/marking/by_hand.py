@@ -16,7 +16,7 @@ from course_lib.errors import CourseError, did_you_mean, format_count
 from course_lib.grading import store
 from course_lib.grading.marks import MarkEntry, add_marks, mark, read_result, require_results, stored_result
 from course_lib.grading.records import UNKNOWN, ReceiptTime, Result, Submission, TaskResult
-from course_lib.grading.reports.rendering import say
+from course_lib.grading.reports.rendering import print_line
 from course_lib.grading.reports.report import has_page, report
 from course_lib.grading.reports.tables import write_tables
 
@@ -61,7 +61,7 @@ def mark_by_hand(
     student = _find_name(student, out / "results", "student")
     exercise = _find_name(exercise, out / "results" / student, "exercise")
     path = store.result_path(out, student, exercise)
-    with store.lock_folder(out, say), store.writing(out):
+    with store.lock_folder(out, print_line), store.writing(out):
         result, file = read_result(path).result, store.marks_path(out, student, exercise)
         tasks = {task_result.task: task_result for task_result in result.tasks}
         task = _find_task(task, tasks, f"{exercise} of {student}")
@@ -110,7 +110,7 @@ def mark_without_file(
         raise CourseError(f"there is no exercise {exercise!r}; exercises with points: {known_exercises}")
     student, exercise = normalise(student), f"{week}_exercise"
     path = store.result_path(out, student, exercise)
-    with store.lock_folder(out, say), store.writing(out):
+    with store.lock_folder(out, print_line), store.writing(out):
         is_new = not path.is_file()
         result = _result_without_file(student, exercise) if is_new else read_result(path).result
         if result.judgement is not None and not withdraw:
@@ -141,7 +141,7 @@ def find_stale(out: Path) -> list[Place]:
     return [place for place in graded_places if not has_page(stored_result(out, *place).result, out)]
 
 
-def follow_marks(
+def update_reports(
     out: Path, course: store.Course | None = None, waiting: Callable[[str], None] | None = None
 ) -> str:
     """Write the tables and the reports without all graders' marks, and return a line for the terminal.
@@ -238,7 +238,7 @@ def main() -> None:
     with suppress(OSError):
         os.nice(GENTLE)
     try:
-        follow_marks(out, store.Course(exercises, solutions))
+        update_reports(out, store.Course(exercises, solutions))
     except CourseError as error:
         sys.exit(str(error))
 

@@ -35,7 +35,7 @@ class OpenItem(NamedTuple):
 
     key: str
     grader: str
-    # Of the page's last request, by the monotonic clock [s].
+    # Time of the page's last request, by the monotonic clock [s].
     requested_at: float
 
 

@@ -32,7 +32,7 @@ from course_lib.grading.marking import by_hand
 from course_lib.grading.marking.marking_queue import MarkingQueue
 from course_lib.grading.marks import MarkEntry, MarksConflictError, require_results, stored_result
 from course_lib.grading.records import Submission
-from course_lib.grading.reports.rendering import fill, printable, strip_control_characters
+from course_lib.grading.reports.rendering import fill, replace_controls, strip_control_characters
 from course_lib.grading.reports.report import section_of
 from course_lib.grading.reports.scenes import shared_script
 from course_lib.grading.submissions.archives import working_files
@@ -46,8 +46,8 @@ from course_lib.viewer.page_server import GuardedHandler, open_sockets
 PAUSE = 3.0  # [s] to wait for further marks before reports are written
 
 
-class Follower:
-    """Starts a process that calls `by_hand.follow_marks` soon after marks were saved.
+class ReportUpdater:
+    """Starts a process that calls `by_hand.update_reports` soon after marks were saved.
 
     A separate process is needed because drawing scenes takes seconds, and because time limits work
     in a main thread only.
@@ -89,7 +89,9 @@ class Follower:
             await process.wait()
             raise
         lines = output.decode("utf-8", "replace").strip().splitlines()
-        return "" if process.returncode == 0 else printable(lines[-1] if lines else "it was ended")
+        if process.returncode == 0:
+            return ""
+        return replace_controls(lines[-1] if lines else "it was ended")
 
 
 MAX_NAME = 80  # limit on the characters of a grader's name
@@ -173,14 +175,14 @@ class MarkingState:
 
     Args:
         queue: The tasks to be marked.
-        follower: Updates the reports.
+        report_updater: Updates the reports.
         course: The course with the tasks.
         port: The port of the server.
         token: The secret part of the URL.
     """
 
     queue: MarkingQueue
-    follower: Follower
+    report_updater: ReportUpdater
     course: store.Course
     port: int
     token: str = field(default_factory=lambda: secrets.token_urlsafe(24))
@@ -265,7 +267,7 @@ class QueueHandler(_JsonHandler):
             text = self.get_query_argument("since", "0")
             if not text.isdecimal() or len(text) > 12:
                 raise CourseError(f"{text!r:.40} is not the number of a change")
-            others, state = self.open_items(), self.desk.follower.state
+            others, state = self.open_items(), self.desk.report_updater.state
             return self.desk.queue.changes_since(int(text)) | {"others": others, "state": state}
 
         await self.answer(changes)
@@ -292,7 +294,7 @@ class ItemHandler(_JsonHandler):
 
         await self.answer(save)
         if self.get_status() == 200:
-            self.desk.follower.schedule_update()
+            self.desk.report_updater.schedule_update()
 
 
 class _SceneFileHandler(_MarkingHandler):
@@ -379,7 +381,7 @@ def serve(
     finally:
         (out / ADDRESS).unlink(missing_ok=True)
     _print_line("\nThe server has stopped. Updating reports …")
-    _print_line(by_hand.follow_marks(out, course, _print_line))
+    _print_line(by_hand.update_reports(out, course, _print_line))
 
 
 async def _serve(out: Path, port: int | None, browser: bool, course: store.Course) -> None:
@@ -389,16 +391,16 @@ async def _serve(out: Path, port: int | None, browser: bool, course: store.Cours
         if port is not None:
             raise
         sockets = open_sockets(0)
-    follower = Follower(out, course)
-    desk = MarkingState(MarkingQueue(out), follower, course, sockets[0].getsockname()[1])
+    report_updater = ReportUpdater(out, course)
+    desk = MarkingState(MarkingQueue(out), report_updater, course, sockets[0].getsockname()[1])
     routes = [(pattern, handler, {"desk": desk}) for pattern, handler in ROUTES]
     application = Application(routes, None, None, log_function=lambda _: None)
     server = HTTPServer(application, max_body_size=MAX_BODY, max_buffer_size=2 * MAX_BODY)
     server.add_sockets(sockets)
     _announce(desk, browser)
     if by_hand.find_stale(out):
-        follower.schedule_update()
-    await follower.run()
+        report_updater.schedule_update()
+    await report_updater.run()
 
 
 def _announce(desk: MarkingState, browser: bool) -> None:

@@ -13,7 +13,7 @@ from course_lib.course.student_folder import content_hash
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
 from course_lib.grading.check_file import check_file
-from course_lib.grading.reports.rendering import printable
+from course_lib.grading.reports.rendering import replace_controls
 from course_lib.grading.submissions.choice import ACCEPTED_SUFFIXES, ANY
 from course_lib.grading.submissions.collect import PlatformTime, collect, write_receipts
 from course_lib.grading.submissions.readers import FOLDERS
@@ -104,7 +104,9 @@ def collect_clones(clones: Path, out: Path, roster: Path, pushes: Path | None) -
             f"{PUSHES_HINT}: --pushes FILE"
         )
     collected = f"Collected {format_count(len(receipts), 'student')} into {out}"
-    return [printable(line) for line in (*lines, f"{collected}. Next: course grade {out} --out graded")]
+    return [
+        replace_controls(line) for line in (*lines, f"{collected}. Next: course grade {out} --out graded")
+    ]
 
 
 def _stage_all(

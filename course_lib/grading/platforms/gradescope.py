@@ -27,7 +27,7 @@ from course_lib.grading.jail.filters import Need
 from course_lib.grading.judge import HIDDEN_ERROR
 from course_lib.grading.marks import MarkedResult, stored_result
 from course_lib.grading.records import MISMATCH, TaskResult
-from course_lib.grading.reports.rendering import printable, rows, say
+from course_lib.grading.reports.rendering import print_line, replace_controls, rows
 from course_lib.grading.store import Course, catalog_of, this_course
 from course_lib.grading.submissions.choice import ANY
 from course_lib.grading.submissions.collect import PlatformTime, collect, write_receipts
@@ -190,7 +190,7 @@ def grade_upload(
         else:
             submission = root / "submission"
             there = sorted(path.name for path in submission.iterdir())
-            names = ", ".join(map(printable, there[:MOST_NAMED])) or "nothing"
+            names = ", ".join(map(replace_controls, there[:MOST_NAMED])) or "nothing"
             report = _ungraded_results(
                 f"{exercise}.ipynb is missing, or the zip that `course submit` writes. "
                 f"You submitted: {names}."
@@ -231,14 +231,14 @@ def _collect(submission: Path, upload: Upload, work: Path, course: Course) -> se
     except shutil.Error as error:
         # All other files have been copied.
         for name, _, why in error.args[0]:
-            say(f"rejected: {name}: {why}")
+            print_line(f"rejected: {name}: {why}")
     try:
         collection = collect(work / "class", top, zone, exercise=ANY, layout=FOLDERS)
     except CourseError:
         # The submission is empty.
         return set()
     for line in collection.rejected_lines:
-        say(line)
+        print_line(line)
     if not collection.count:
         return set()
     write_receipts(top, {upload.student: PlatformTime(upload.time, METADATA, upload.is_named)})
@@ -371,7 +371,7 @@ def _tests(task: TaskResult, hidden: str) -> Iterator[dict[str, Any]]:
 
 
 def _text(lines: Sequence[str]) -> str:
-    printable_lines = (printable(part) for line in lines if line for part in line.splitlines())
+    printable_lines = (replace_controls(part) for line in lines if line for part in line.splitlines())
     return "\n".join(printable_lines)[:MAX_TEXT]
 
 

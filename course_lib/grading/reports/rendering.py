@@ -150,7 +150,7 @@ def csv_of(columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:
 INVISIBLE_IN_NAMES = "\u00a0\u202f\u3000\u200c\u200d"
 
 
-def printable(line: str) -> str:
+def replace_controls(line: str) -> str:
     """Replace control characters and lone surrogates; a student's name may contain anything."""
     text = line.encode("utf-8", "replace").decode()
     return "".join(c if c.isprintable() or c in INVISIBLE_IN_NAMES else "�" for c in text)
@@ -182,9 +182,9 @@ def strip_control_characters(value: Any) -> Any:
 MOST_NAMED = 5  # limit on the students that a line lists
 
 
-def say(line: str) -> None:
+def print_line(line: str) -> None:
     """Print a line with control characters replaced."""
-    print(printable(line))  # noqa: T201
+    print(replace_controls(line))  # noqa: T201
 
 
 def join_few(students: Sequence[str]) -> str:

@@ -15,7 +15,14 @@ from course_lib.files import write_atomically
 from course_lib.grading import store
 from course_lib.grading.marks import MarkedResult, read_marks, require_results, results_in, task_mark
 from course_lib.grading.records import HandMark, Result, Run, TaskResult
-from course_lib.grading.reports.rendering import CheckRow, fill, join_few, printable, say, scored_rows
+from course_lib.grading.reports.rendering import (
+    CheckRow,
+    fill,
+    join_few,
+    print_line,
+    replace_controls,
+    scored_rows,
+)
 from course_lib.grading.reports.scenes import figures, shared_script
 from course_lib.grading.run.run import plan_scenarios, unpack
 from course_lib.grading.submissions.notebook import full_exercise_name
@@ -288,7 +295,7 @@ def feedback(
         size = path.stat().st_size / 1e6
         wrote.append(f"Wrote {path}: {format_count(len(files), 'report')}, {size:.1f} MB. {form.menu}")
     notes = [CANVAS_NOTE] if lms == "canvas" else []
-    return [printable(line) for line in (*lines, *wrote, *notes)]
+    return [replace_controls(line) for line in (*lines, *wrote, *notes)]
 
 
 Reports = dict[str, tuple[Result, PlatformName]]  # by the file name in the zip
@@ -318,7 +325,10 @@ def _select_results(
         if exercise in ("", result.exercise) and (students is None or result.student in students)
     ]
     if not selected:
-        raise CourseError(f"{out} has no results of {exercise or 'any exercise'} of this section's students")
+        raise CourseError(
+            f"{out} has no results of {exercise or 'any exercise'} of this section's students. "
+            "Choose another --section, or grade their submissions first"
+        )
     return selected
 
 
@@ -419,7 +429,7 @@ def show_hidden_checks(
     require_results(out)
     exercise = full_exercise_name(exercise)
     catalog = store.catalog_of(course or store.this_course())
-    with store.lock_folder(out, say), store.writing(out):
+    with store.lock_folder(out, print_line), store.writing(out):
         every = list(results_in(out))
         results = [result for result in every if result.exercise == exercise]
         if not results:

@@ -29,7 +29,7 @@ from course_lib.ros.graph.graph import START_NS, Graph, Sample, current_graph, u
 from course_lib.ros.graph.topics import OWN_TOPICS, SERVICE_HEADER, SERVICE_TOPICS, Qos
 from course_lib.ros.messages import deserialize, message_class, serialize
 from course_lib.ros.programs import import_path
-from course_lib.ros.programs.program import seeded
+from course_lib.ros.programs.program import seed_generators
 from course_lib.ros.time import virtual_time
 from course_lib.ros.time.time_lock import AtEnd, ShutDown, StoppedThread, time_lock
 from course_lib.ros.tracebacks import line_of_thread, loop_of_traceback
@@ -242,7 +242,7 @@ def perform(part: Instructions, subject: Any, graph: Graph, outcome: Outcome) ->
     """
     import_path.install()
     virtual_time.install()
-    with time_lock.hold(), use_graph(graph), seeded(part.seed):
+    with time_lock.hold(), use_graph(graph), seed_generators(part.seed):
         for action in _actions(part, subject, outcome):
             try:
                 with time_lock.at_end(AtEnd.INTERRUPT):

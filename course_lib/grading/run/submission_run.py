@@ -379,7 +379,7 @@ class SubmissionRun:
                 return False
             if current < 0:
                 raise WorkerError(f"a worker does not start: {worker.output.take() or error}") from error
-            # Only then it is known whether the template has killed the worker.
+            # Closing reveals whether the template has killed the worker.
             self.close()
             match error:
                 case _ if worker.excess:

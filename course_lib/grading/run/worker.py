@@ -28,7 +28,7 @@ from course_lib.ros.messages import compile_wire
 from course_lib.ros.programs import import_path
 from course_lib.ros.programs.packages import MANIFEST, prepend_paths
 from course_lib.ros.programs.process import make_shell
-from course_lib.ros.programs.program import seeded
+from course_lib.ros.programs.program import seed_generators
 from course_lib.ros.time import virtual_time
 from course_lib.ros.time.interrupts import watch
 from course_lib.ros.time.time_lock import time_lock
@@ -103,7 +103,7 @@ class Worker:
         """
         set_values(values)
         errors = []
-        with time_lock.hold(), seeded(CELLS_SEED):
+        with time_lock.hold(), seed_generators(CELLS_SEED):
             for index, cell in enumerate(cells):
                 if index not in skip:
                     self._channel.send(["cell", index])

@@ -35,13 +35,13 @@ MAX_DEPTH = 3  # limit on the nesting of archives
 MAX_NAME = 255  # [B] limit on a path component, that of file systems
 MAX_PATH = 1000  # [B] limit on a path
 MAX_UNPACKED_FILES = 1000  # limit on the files in all archives of a student
-MAX_UNPACKED_BYTES = 50_000_000  # [B] limit on their size, nested archives included
+MAX_UNPACKED_BYTES = 50_000_000  # [B] limit on the total size of these files
 RECEIPT = "receipt.json"  # file name in the zip of `course submit`
 JUNK = ("__MACOSX", "Thumbs.db")
-MOODLE_MARK = "_assignsubmission_"  # in the names that Moodle writes
+MOODLE_MARK = "_assignsubmission_"  # occurs in the names that Moodle writes
 MAC_NAMES = (".DS_Store", ".localized")  # files that macOS adds to every folder
 CONTROLS = ("Cc", "Cs", "Zl", "Zp")  # categories of characters that no name contains
-# They reverse the following text, so that a name is shown as another one.
+# These characters reverse the text after them, so that a name is displayed as another one.
 BIDI_CONTROLS = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
 HIDDEN = "a name in its path begins with a dot, and the student submitted no visible file. Rename it"
 

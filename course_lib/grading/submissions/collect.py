@@ -20,7 +20,7 @@ from zoneinfo import ZoneInfo
 
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
-from course_lib.grading.reports.rendering import escape_formula, join_few, printable
+from course_lib.grading.reports.rendering import escape_formula, join_few, replace_controls
 from course_lib.grading.submissions import readers
 from course_lib.grading.submissions.archives import (
     ReceivedFile,
@@ -92,7 +92,7 @@ class Collection:
 
     def reject(self, name: str, why: str, owner: str) -> None:
         """Record a file that is skipped."""
-        self.skipped.append((owner, printable(f"rejected: {name}: {why}")))
+        self.skipped.append((owner, replace_controls(f"rejected: {name}: {why}")))
 
     @property
     def rejected_lines(self) -> list[str]:
@@ -107,7 +107,7 @@ class Collection:
         for owner, lines in lines_by_owner.items():
             listed += lines[:MOST_LINES]
             if (more := len(lines) - MOST_LINES) > 0:
-                listed.append(printable(f"rejected: {format_count(more, 'more file')} of {owner}"))
+                listed.append(replace_controls(f"rejected: {format_count(more, 'more file')} of {owner}"))
         return listed
 
     def summary(self, out: Path) -> str:
@@ -169,7 +169,7 @@ class Download:
             return "/".join(path[:2])
         return self.layout.owner(path)
 
-    def arrivals(
+    def read_files(
         self, done: Collection | None = None, rejected_files: list[tuple[str, str]] | None = None
     ) -> Iterator[ReceivedFile]:
         """Yield the files, including files in archives; record and skip unsafe files."""
@@ -229,7 +229,7 @@ def collect(
     names = [*(item.download_name for item in items), *(file.download_name for file in rejected_files)]
     _reject_collisions(names, exports)
     choice = choose(items, rejected_files, download.layout, exercise)
-    collection.set_aside = [printable(line) for line in choice.lines]
+    collection.set_aside = [replace_controls(line) for line in choice.lines]
     # The file remains if this process is killed or the disk is full, and `course grade` reports it.
     write_atomically(out / UNFINISHED, source.name.encode("utf-8", "replace"))
     store = Store(out, zone, exports, collection)
@@ -288,7 +288,7 @@ def _inspect_all(
 ) -> tuple[list[DownloadedFile], list[RejectedFile]]:
     """Return the files of a download and the rejected files of known owners, without storing anything."""
     items, rejected_files, unsafe = list[DownloadedFile](), list[RejectedFile](), list[tuple[str, str]]()
-    for arrival in download.arrivals(collection, unsafe):
+    for arrival in download.read_files(collection, unsafe):
         if _is_stamp(arrival, download.layout):
             continue
         try:
@@ -378,13 +378,14 @@ def _read_exports(
         )
     for table in time_tables:
         note = f"note: times are from {table.source}, interpreted as {zone.key}"
-        if table.unread:
-            note = printable(
-                f"note: {table.source}: times like {table.unread!r} can't be read and are ignored. Set the "
-                f"site to another language or calendar and export again, or write the times into {LIST}"
+        if table.unparsed:
+            note = replace_controls(
+                f"note: {table.source}: times like {table.unparsed!r} can't be read and are "
+                "ignored. Set the site to another language or calendar and export again, or write "
+                f"the times into {LIST}"
             )
         collection.notes.add(note)
-    return Exports(ids, [table for table in time_tables if not table.unread])
+    return Exports(ids, [table for table in time_tables if not table.unparsed])
 
 
 def _reject_collisions(files: Iterable[readers.DownloadName], exports: Exports) -> None:
@@ -428,7 +429,7 @@ class Store:
     def store_all(self, download: Download, choice: Choice) -> None:
         """Read the download again, and store the chosen files."""
         collection, items_by_path = self.collection, {item.components: item for item in choice.kept}
-        for arrival in download.arrivals():
+        for arrival in download.read_files():
             if _is_stamp(arrival, download.layout):
                 download_name = download.layout.read(arrival.components)
                 path = self.out.joinpath(download_name.student, *download_name.path_in_folder)
@@ -502,7 +503,11 @@ class Store:
             if (self.out / file).exists():
                 file = f"{student}/rejected {name}"
             row = {"file": file, **self._row(download_name)}
-            rows[file] = {**row, "exercise": exercise, "rejected": escape_formula(printable(why))}
+            rows[file] = {
+                **row,
+                "exercise": exercise,
+                "rejected": escape_formula(replace_controls(why)),
+            }
             self.collection.rejected_students.add(student)
 
     def _row(self, download_name: readers.DownloadName) -> dict[str, str]:
@@ -523,7 +528,7 @@ class Store:
             return row
         if row["received"] not in ("", before["received"]):
             self.collection.notes.add(
-                printable(
+                replace_controls(
                     f"note: {before['file']}: {LIST} keeps {before['received']}; according to "
                     f"{row['source']} it is {row['received']}: clear the cell and collect again "
                     "to use that"
@@ -543,7 +548,7 @@ def _platform_notes(
         and exports.ids
         and not exports.id_of(download_name)
     ):
-        yield printable(
+        yield replace_controls(
             f"note: {download_name.name} is not in the roster, and gets the ID {download_name.student}"
         )
     if reader is None or not is_by_platform:
@@ -553,7 +558,9 @@ def _platform_notes(
     elif exports.time(download_name)[0] is not None:
         return
     elif exports.times:
-        yield printable(f"note: {download_name.name} has no time of submission in {exports.times[0].source}")
+        yield replace_controls(
+            f"note: {download_name.name} has no time of submission in {exports.times[0].source}"
+        )
     else:
         why = reader.no_times or "a name of the download has no time of submission"
         yield f"note: {why}; or write them into {LIST}. Without a time no submission is late"

@@ -219,7 +219,7 @@ class Cluster:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The clusters of a class, and the common fraction from which two solutions are joined."""
+    """The clusters of a class, and the common fraction from which two solutions count as similar."""
 
     clusters: tuple[Cluster, ...]
     limit: float
@@ -324,7 +324,7 @@ def _similarity_limit(share: Floats) -> tuple[float, float | None]:
         return SHARE, None
     pairs = share[np.triu_indices(len(share), 1)]
     median = float(np.median(pairs))
-    spread = 1.4826 * float(np.median(np.abs(pairs - median)))  # estimates the standard deviation
+    spread = 1.4826 * float(np.median(np.abs(pairs - median)))  # estimated standard deviation
     return float(np.clip(median + SPREADS * spread, *SHARES)), median
 
 

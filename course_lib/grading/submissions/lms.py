@@ -8,7 +8,7 @@ from pathlib import Path
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
 from course_lib.grading.marks import COLUMNS, results_in, standing_marks
-from course_lib.grading.reports.rendering import escape_formula, join_few, printable
+from course_lib.grading.reports.rendering import escape_formula, join_few, replace_controls
 from course_lib.grading.submissions.notebook import full_exercise_name
 from course_lib.grading.submissions.roster import LmsFile, read_id
 
@@ -114,7 +114,10 @@ def fill_lms(
         *(f"{lms.name}: {row}" for row in rows),
         *([f"gradebook.csv: no such ID in {lms.name}: {join_few(elsewhere)}"] if elsewhere else []),
     ]
-    return [*map(printable, lines), f"Wrote {target}: {len(ids) - len(unfilled)} {KINDS[mark_column]}."]
+    return [
+        *map(replace_controls, lines),
+        f"Wrote {target}: {len(ids) - len(unfilled)} {KINDS[mark_column]}.",
+    ]
 
 
 def require_options(lms: Path, options: Mapping[str, object]) -> None:
@@ -175,7 +178,7 @@ def _fill(
 
 
 def _marks(out: Path, exercise: str) -> dict[str, dict[str, str]]:
-    """Return the lines of gradebook.csv about an exercise by student, with a point in numbers.
+    """Return the lines of gradebook.csv about an exercise by student, with decimal points in numbers.
 
     The file may have been saved by a spreadsheet, with semicolons and decimal commas.
     """
@@ -238,7 +241,10 @@ def _points_lines(there: set[float], marks: Iterable[dict[str, str]], column: st
         platform_text, own_text = (
             ", ".join(f"{points:g}" for points in sorted(each)) for each in (there, own_points)
         )
-        lines.append(f"note: the platform gives {platform_text} points, gradebook.csv {own_text}")
+        lines.append(
+            f"note: the maximum is {platform_text} points on the platform and {own_text} in "
+            "gradebook.csv: correct one of them if this is not intended"
+        )
     if there and (above := sum(float(mark[column]) > max(there) for mark in rated)):
         lines.append(
             f"note: {format_count(above, 'mark')} above the platform's {max(there):g}: it may "

@@ -206,7 +206,7 @@ class CodeCell:
 
     @cached_property
     def tree(self) -> ast.Module:
-        """Its syntax tree, empty if it cannot be parsed."""
+        """The syntax tree of the cell; empty if the cell cannot be parsed."""
         try:
             return parse_python(without_magics(self.source))
         except (SyntaxError, ValueError):
@@ -214,7 +214,7 @@ class CodeCell:
 
     @cached_property
     def syntax_error(self) -> str:
-        """Its syntax error, or ""."""
+        """The syntax error of the cell, or ""."""
         try:
             compile_python(without_magics(self.source), "cell", ast.PyCF_ALLOW_TOP_LEVEL_AWAIT)
         except (SyntaxError, ValueError) as error:
@@ -224,18 +224,18 @@ class CodeCell:
 
     @cached_property
     def bindings(self) -> frozenset[str]:
-        """The names that it binds, except inside functions and classes."""
+        """The names that the cell binds, except inside functions and classes."""
         return frozenset(bound_names(self.tree))
 
     @cached_property
     def changed_names(self) -> frozenset[str]:
-        """The names that it binds, or whose objects it mutates."""
+        """The names that the cell binds, or whose objects it mutates."""
         mutated = frozenset(name for statement in self.tree.body for name in mutated_names(statement))
         return self.bindings | mutated
 
     @cached_property
     def used_names(self) -> frozenset[str]:
-        """The names that it reads, even inside functions and classes."""
+        """The names that the cell reads, even inside functions and classes."""
         names = (node for node in ast.walk(self.tree) if isinstance(node, ast.Name))
         return frozenset(name.id for name in names if isinstance(name.ctx, ast.Load))
 

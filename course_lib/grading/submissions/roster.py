@@ -299,14 +299,14 @@ class Times:
         by_number: Times by the platform's number of the student.
         by_attachment: Times by Canvas's number of the file.
         users: Canvas's numbers of students by anonymous ID.
-        unread: An example if the column's times can't be parsed, else "".
+        unparsed: An example if the column's times can't be parsed, else "".
     """
 
     source: str
     by_number: Mapping[str, datetime] = field(default_factory=dict)
     by_attachment: Mapping[str, datetime] = field(default_factory=dict)
     users: Mapping[str, str] = field(default_factory=dict)
-    unread: str = ""
+    unparsed: str = ""
 
 
 def read_ids(path: Path, id_column: str, numbers: Collection[str]) -> tuple[dict[str, str], str]:
@@ -409,7 +409,7 @@ def read_times(path: Path, zone: ZoneInfo, numbers: Collection[str]) -> Times | 
         for column, heading in enumerate(file.headings):
             texts = [cell for row in rows if looks_like_time(cell := file.text(row, column))]
             if texts and 2 * len(texts) >= len(rows):
-                return Times(f"{path.name}, {heading}", {}, unread=texts[0])
+                return Times(f"{path.name}, {heading}", {}, unparsed=texts[0])
         return None
     # The submission column has the heading, or is the first column without a predominant date:
     # platforms put the time of grading after it, and a due date is the same for most students.

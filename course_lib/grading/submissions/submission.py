@@ -44,7 +44,7 @@ from course_lib.grading.records import (
     Submission,
     to_plain,
 )
-from course_lib.grading.reports.rendering import MOST_NAMED, join_few, printable
+from course_lib.grading.reports.rendering import MOST_NAMED, join_few, replace_controls
 from course_lib.grading.run.run import Job, plan_scenarios
 from course_lib.grading.store import Course, catalog_of, digest_of, rules_of
 from course_lib.grading.submissions.archives import RECEIPT, open_zip, read_member, working_files
@@ -307,7 +307,7 @@ def unfinished_lines(top: Path) -> list[str]:
     mark = top / UNFINISHED
     if not mark.is_file():
         return []
-    source = printable(mark.read_text(encoding="utf-8", errors="replace"))
+    source = replace_controls(mark.read_text(encoding="utf-8", errors="replace"))
     problem = f"course collect {source} --out {top} did not finish, so files of students may be missing"
     return [f"warning: {problem}. Collect again, then grade again"]
 
@@ -520,8 +520,8 @@ def read_packed_zip(data: bytes, name: str) -> tuple[bytes, Mapping[str, Any]]:
         if len(data) > 2 * MAX_BYTES:
             raise ValueError(f"it has more than {2 * MAX_BYTES:,} bytes")
         with open_zip(data) as archive:
-            receipt = read_json(_member(archive, RECEIPT, MAX_BYTES))
-            return _member(archive, f"{receipt['exercise']}.ipynb", MAX_WITH_OUTPUTS), receipt
+            receipt = read_json(_read_member(archive, RECEIPT, MAX_BYTES))
+            return _read_member(archive, f"{receipt['exercise']}.ipynb", MAX_WITH_OUTPUTS), receipt
     except (CourseError, ValueError, LookupError, TypeError, AttributeError) as error:
         raise CourseError(
             f"{name} is not a file that `course submit` wrote ({error}). Run `course submit` again, "
@@ -534,7 +534,7 @@ def _limit_size(data: bytes) -> bytes:
     return without_outputs(data) if MAX_BYTES < len(data) <= MAX_WITH_OUTPUTS else data
 
 
-def _member(archive: ZipFile, name: str, max_bytes: int) -> bytes:
+def _read_member(archive: ZipFile, name: str, max_bytes: int) -> bytes:
     data = _limit_size(read_member(archive, name, max_bytes))
     if len(data) > MAX_BYTES:
         raise CourseError(f"{name} is larger than {MAX_BYTES} bytes")
@@ -545,7 +545,7 @@ PLACES = "places.json"
 
 
 def read_submission_folders(out: Path) -> dict[str, str]:
-    """Return the folder of each "STUDENT/EXERCISE"; records of older versions have none."""
+    """Return the stored folders of submissions by "STUDENT/EXERCISE"; empty for old records."""
     try:
         content = read_json((out / PLACES).read_text(encoding="utf-8"))
         return {str(key): str(folder) for key, folder in content.items()}
@@ -554,7 +554,7 @@ def read_submission_folders(out: Path) -> dict[str, str]:
 
 
 def store_submission_folders(out: Path, submissions: Path, submissions_found: Iterable[Submission]) -> None:
-    """Store the current folder of the submissions; entries of other folders are kept.
+    """Store `submissions` as the folder of these submissions, and keep the entries of all others.
 
     Raises:
         OSError: It can't be written.

@@ -168,7 +168,7 @@ def yaw_of(x: float, y: float, z: float, w: float) -> float:
 
 
 def format_number(value: float, unit: str = "") -> str:
-    """Format a number for people: two decimals, four if small, few digits if large."""
+    """Format a number for a message: two decimals, four if small, few digits if large."""
     if abs(value) >= LARGE and math.isfinite(value):
         return f"{value:.6g}{unit and ' ' + unit}"
     small = 5e-5 <= abs(value) < 0.1
@@ -176,7 +176,7 @@ def format_number(value: float, unit: str = "") -> str:
 
 
 def format_angle(value: float) -> str:
-    """Format an angle [rad] for people, in degrees too: a heading is imagined in degrees."""
+    """Format an angle [rad], followed by its value in degrees, which is easier to imagine."""
     return f"{format_number(value, 'rad')} ({math.degrees(value):z.0f}°)"
 
 

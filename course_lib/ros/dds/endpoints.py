@@ -74,7 +74,7 @@ class Change(NamedTuple):
 
     @property
     def fragments(self) -> range:
-        """The numbers of its fragments, counted from 1; only 0 for a message that is sent whole."""
+        """The message's fragment numbers, counted from 1; only 0 if it is sent as a whole."""
         count = -(-len(self.data) // FRAGMENT_SIZE)
         return range(1, count + 1) if count > 1 else range(1)
 
@@ -162,7 +162,7 @@ class Writer(OwnEndpoint[MatchedReader]):
             self._history[self.last] = change
             if len(self._history) > (qos.limit or KEEP_ALL_LIMIT):
                 del self._history[self.first]
-        # Readers at one address, of which a participant has only one, share a datagram.
+        # Each participant has one address, and all of its readers receive the same datagram.
         addresses = {address for reader in self.matched.values() for address in reader.endpoint.locators}
         if addresses:
             guid = self.endpoint.guid
@@ -249,7 +249,7 @@ class PartialMessage:
         self._size, self._fragment_size = size, fragment_size
         # Numbers of the fragments that have not arrived, counted from 1.
         self.missing = set(range(1, -(-size // fragment_size) + 1))
-        # Limit on the memory that it needs, [bytes].
+        # An upper bound on the memory of the message [bytes].
         self.memory = size + len(self.missing) * FRAGMENT_OVERHEAD
         # BytesIO grows with the fragments, and returns its bytes without a copy.
         self.data = BytesIO()

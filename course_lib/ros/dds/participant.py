@@ -216,7 +216,7 @@ class Participant:
                 return
             self._send_spdp(self._ports_of_robot(), *wire.disposal(Pid.PARTICIPANT, self.guid))
             self.is_open = False
-        # A thread that waits for a datagram stops by itself, but not one that is interrupted here.
+        # A thread that waits for a datagram releases the lock, unless this call has interrupted it.
         is_unused = self._receiving.acquire(timeout=1.0)
         self._socket.close()
         self._probe.close()

@@ -390,7 +390,7 @@ class ProgramNodes:
     errors: dict[str, str] = field(default_factory=dict)
 
     def forget_error(self, full_name: str) -> None:
-        """Remove the error of a run, because one of its nodes, or one of its name, is spun."""
+        """Remove the error of a run, because one of its nodes, or a node of the same name, is spun."""
         error = self.errors.get(full_name)
         if error is not None:
             self.errors = {name: other for name, other in self.errors.items() if other != error}

@@ -451,7 +451,7 @@ def _qos(values: list[Any]) -> Qos:
 
 
 class RemoteAlarm(Alarm):
-    """An event in the heap of the other process, by its number there."""
+    """An event in the other process's heap, identified by its number there."""
 
     __slots__ = ("_graph", "_number")
 

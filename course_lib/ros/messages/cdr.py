@@ -89,7 +89,7 @@ class CdrLayout:
     def __init__(self, order: str, step: int) -> None:
         self.lines: list[str] = []
         self.scope: dict[str, Any] = {}
-        self.names = count()
+        self._name_numbers = count()
         self._order, self._step, self._offset = order, step, 0
         self._format, self._numbers = "", list[str]()
 
@@ -123,7 +123,7 @@ class CdrLayout:
 
     def add_to_scope(self, value: object) -> str:
         """Add a value to the function's scope and return its name."""
-        name = f"k{next(self.names)}"
+        name = f"k{next(self._name_numbers)}"
         self.scope[name] = value
         return name
 
@@ -386,7 +386,7 @@ class _Writer(CdrLayout):
         self.set_alignment(1)
 
     def _local(self, expression: str) -> str:
-        name = f"v{next(self.names)}"
+        name = f"v{next(self._name_numbers)}"
         self.lines.append(f"{name} = {expression}")
         return name
 

@@ -385,8 +385,9 @@ class Primitive:
     @property
     def dtype(self) -> "np.dtype[np.generic]":
         """The numpy type of an element."""
-        # Through its size: numpy prints the dtype of the code "q", although it is the usual one of
-        # integers. In one call, mypy takes 4 s to combine numpy's overloads.
+        # Converted to a string like "<i8" and back, because numpy prints the dtype of the code "q",
+        # although it is the default integer type. As a single call, mypy takes 4 s to combine
+        # numpy's overloads.
         numpy_type: np.dtype[np.generic] = np.dtype(self.code) if self.code else np.dtype(np.bool_)
         return np.dtype(numpy_type.str)
 

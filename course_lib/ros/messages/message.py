@@ -127,7 +127,7 @@ def numbers_check(field: FieldDefinition, primitive: Primitive) -> Check:
             # Bytes are always in range, and an image has a hundred thousand of them.
             return
         elif isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in numpy_kinds:
-            # If both ends of its values are in range, all of them are.
+            # If the minimum and the maximum are in range, all values are.
             ends = [value.min(), value.max()] if value.size and primitive.python is int else []
             if not (_is_valid_length(value, field) and all(_is_in_range(end, primitive) for end in ends)):
                 check_elements(value)

@@ -384,7 +384,7 @@ class _CMake:
                         self._budget -= 1
                         yield from self._run_with({variable: [item]}, body)
                 case name, _ if name in self._macros:
-                    # While it runs, the name is unknown, so that a recursion ends.
+                    # The macro is undefined while its body runs, so that a recursion ends.
                     macro = self._macros.pop(name)
                     pairs = zip(macro.parameters, words, strict=False)
                     arguments = {parameter: [word] for parameter, word in pairs}

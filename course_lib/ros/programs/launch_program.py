@@ -41,7 +41,7 @@ from course_lib.ros.programs.package_programs import (
     prepend_to_path,
     unload_packages,
 )
-from course_lib.ros.programs.process import INTERRUPTED, Function, Process, Processes, Program
+from course_lib.ros.programs.process import INTERRUPTED, FunctionProcess, Process, Processes, Program
 from course_lib.ros.time.time_lock import DeadlockError, ShutDown, time_lock
 from course_lib.ros.tracebacks import format_location, line_of_traceback
 
@@ -577,7 +577,7 @@ class LaunchProgram(Process):
         return self._reported_ends < len(self._started)
 
 
-class _LaunchedProcess(Function):
+class _LaunchedProcess(FunctionProcess):
     """A process of a launch, whose output is prefixed with its name."""
 
     def __init__(

@@ -18,7 +18,7 @@ from course_lib.ros.programs.packages import (
     python_path,
     unavailable_reason,
 )
-from course_lib.ros.programs.process import Function, Program
+from course_lib.ros.programs.process import FunctionProcess, Program
 
 # Functions by package and executable.
 Executables = Mapping[tuple[str, str], Callable[[], object]]
@@ -40,7 +40,7 @@ _imported: set[str] = set()
 _warned: set[str] = set()
 
 
-class RunProgram(Function):
+class RunProgram(FunctionProcess):
     """An executable of a package with its arguments, as `ros2 run` starts it."""
 
     def __init__(

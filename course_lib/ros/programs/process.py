@@ -85,7 +85,7 @@ class Process:
             sys.stderr.write(f"hint: {self.file.name}: {slip}\n")
 
 
-class Function(Process):
+class FunctionProcess(Process):
     """A program that consists of a function.
 
     As in a console script, its return value is the exit code.
@@ -132,7 +132,7 @@ class Program(Process):
     def run(self) -> None:
         """Run the file, and print hints about its statements that do nothing."""
         super().run()
-        # A file that ran nothing has got its hint.
+        # A file that ran nothing already has its hint.
         for slip in () if self._idle_hint else self._slips:
             sys.stderr.write(f"hint: {self.file.name}, {slip}\n")
 
@@ -205,7 +205,8 @@ def _find_slips(tree: ast.Module) -> Iterator[str]:
                 for part in test.values if isinstance(test, ast.BoolOp) else [test]:
                     operand = part.operand if isinstance(part, ast.UnaryOp) else part
                     text, name = ast.unparse(operand), getattr(operand, "attr", "")
-                    # Other objects have a field ok.
+                    # For `ok` the module is compared as well, because other objects have a field of
+                    # this name.
                     if text == "rclpy.ok" or name in _CONDITIONS - own_attributes:
                         yield f"line {operand.lineno} names {text} and does not call it. Write: {text}()"
             case ast.Expr(ast.Attribute(attr=name) | ast.Name(name)) if name in _EFFECTS:
@@ -276,7 +277,9 @@ class NotebookProgram(Process):
             cells = read_json(read_bytes(file))["cells"]
             self._sources = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
         except OSError as error:
-            raise CourseError(f"{file} cannot be run: {error.strerror}.") from error
+            raise CourseError(
+                f"{file} cannot be run: {error.strerror}. Pass the path of a notebook."
+            ) from error
         except (ValueError, KeyError, TypeError) as error:
             raise CourseError(
                 f"{file} is not a notebook of format 4. Save it again in JupyterLab."

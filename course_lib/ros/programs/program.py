@@ -34,7 +34,7 @@ _real_seed = random.Random.seed
 
 
 @contextmanager
-def seeded(seed: int) -> Iterator[None]:
+def seed_generators(seed: int) -> Iterator[None]:
     """Seed all random generators that a program may use, and restore them after the block."""
     source = random.Random(seed)
     python_state, numpy_state = random.getstate(), np.random.get_state()
@@ -103,7 +103,7 @@ def run_files(
     programs: list[Process] = [_program(file, args, executables, is_strict) for file in files]
     programs += extra_processes
     # With a robot, runs do not repeat, and each run needs different goal ids.
-    seeded_or_not = nullcontext() if current_graph().keeps_wall_time else seeded(seed)
+    seeded_or_not = nullcontext() if current_graph().keeps_wall_time else seed_generators(seed)
     folders = {p.file.resolve().parent if isinstance(p, NotebookProgram) else None for p in programs}
     folder = folders.pop() if len(folders) == 1 else None
     in_folder = nullcontext() if folder is None else chdir(folder)

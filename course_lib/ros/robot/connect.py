@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from course_lib.errors import CourseError, format_count
 from course_lib.ros.graph.graph import Graph, current_graph, set_graph
-from course_lib.ros.notices import print_to_stderr, say
+from course_lib.ros.notices import print_notice, print_to_stderr
 from course_lib.ros.robot.addresses import DDS, full_address, is_over_dds
 from course_lib.ros.time import wall
 from course_lib.ros.time.interrupts import exit_at_signals
@@ -58,7 +58,7 @@ def link_to(robot: RobotAddress, *, notebook: bool = False) -> "RobotGraph":
     from course_lib.ros.robot.robot_graph import RobotGraph
     from course_lib.ros.robot.sending import Permissions
 
-    report = say if notebook else print_to_stderr
+    report = print_notice if notebook else print_to_stderr
     # In ROS an empty variable means domain 0, too.
     text = (os.environ.get("ROS_DOMAIN_ID") or "0") if robot.domain is None else str(robot.domain)
     if not text.isdecimal() or int(text) > MAX_DOMAIN:
@@ -160,7 +160,7 @@ def connect(
     allowed_names = ", ".join(sorted([*send, *call]))
     rule = f"Sending is allowed for {allowed_names}." if allowed_names else "The link is read-only."
     nodes = format_count(len(linked.nodes()), "node")
-    say(f"Linked to {linked.link.address}: {nodes}. {rule}")
+    print_notice(f"Linked to {linked.link.address}: {nodes}. {rule}")
 
 
 def disconnect() -> None:
@@ -177,4 +177,4 @@ def disconnect() -> None:
     stop_all()
     set_graph(Graph(notebook=True))
     graph.close()
-    say("The link is closed, and its nodes and viewers have ended: run their cells again.")
+    print_notice("The link is closed, and its nodes and viewers have ended: run their cells again.")

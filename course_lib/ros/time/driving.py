@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import Graph, ProgramNodes, current_graph
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_notice
 from course_lib.ros.time import pace, wall
 from course_lib.ros.time.interrupts import Callback, live_interrupts, until_interrupted, watch
 from course_lib.ros.time.time_lock import never, time_lock
@@ -210,7 +210,7 @@ class LiveRun:
         import ipywidgets
         from IPython.display import display
 
-        look = {"flex": "none"}  # a long error beside it does not squeeze it
+        look = {"flex": "none"}  # not squeezed by a long error message
         button = ipywidgets.Button(description="Stop", icon="stop", tooltip="Stop these nodes", layout=look)
         button.on_click(lambda _: self._on_stop_click())
         if hasattr(button.comm, "_reply_subshell_for"):
@@ -324,7 +324,7 @@ def start_live_run(run: LiveRun) -> LiveRun:
     with executor_with(run.nodes) as executor:
         if pace.mode() == "fast":
             executor._course_spin_until(graph.now_ns + round(WITHOUT_A_PAGE * 1e9))
-            say(f"No page is watching: ran {WITHOUT_A_PAGE:g} s of robot time at full speed.")
+            print_notice(f"No page is watching: ran {WITHOUT_A_PAGE:g} s of robot time at full speed.")
     run.started_ns = graph.now_ns
     live = graph.state(_LiveRuns)
     live.stop_finished_runs()

@@ -19,7 +19,7 @@ from types import FrameType
 from typing import Any
 
 from course_lib.ros.graph.graph import current_graph
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_notice
 from course_lib.ros.student_code import is_student_file
 from course_lib.ros.time import wall
 from course_lib.ros.time.time_lock import real_getsignal, real_signal, time_lock
@@ -271,7 +271,7 @@ def until_interrupted() -> Iterator[None]:
         # At the end of a run the interrupt is not from a user.
         if graph.ended:
             return
-        say(f"Stopped after {(graph.now_ns - start_ns) * 1e-9:.1f} s of robot time{location}.")
+        print_notice(f"Stopped after {(graph.now_ns - start_ns) * 1e-9:.1f} s of robot time{location}.")
 
 
 watch = Watch()

@@ -24,7 +24,7 @@ from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import THREADS, Graph, current_graph
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_notice
 
 # Waits that return immediately after the end of a run, before the thread is ended.
 WAITS_AFTER_THE_END = 200
@@ -99,7 +99,7 @@ class ProgramThread:
     def __init__(self, index: int, *, name: str, main: bool, is_ordinary: bool = False) -> None:
         self.index = index
         self.name = name
-        self.main = main
+        self.is_main = main
         self.is_ordinary = is_ordinary
         # Held by the thread while it waits for its turn; released by the thread that passes the
         # time lock to it.
@@ -139,7 +139,7 @@ class ProgramThread:
             or self.waits_after_end > WAITS_AFTER_THE_END
         ):
             # A main thread that catches the interrupt is ended by the next one.
-            interrupts = (self.main or self.at_end is AtEnd.INTERRUPT) and not self.is_stopped
+            interrupts = (self.is_main or self.at_end is AtEnd.INTERRUPT) and not self.is_stopped
             self.is_stopped = True
             raise StoppedProgram if interrupts else StoppedThread
 
@@ -324,13 +324,13 @@ class TimeLock:
             me.is_done = True
             del self._threads[_thread.get_ident()]
             # Without the main thread, time does not advance.
-            if me.main:
+            if me.is_main:
                 ordinary = (t for t in self._waiting if t.is_ordinary)
                 ready = (t for t in ordinary if t.wait is not None and t.can_run(t.wait.graph))
                 successor = next(ready, None)
             else:
                 successor = self._runnable(me, current_graph()) or next(
-                    (t for t in self._waiting if t.main), None
+                    (t for t in self._waiting if t.is_main), None
                 )
             self._pass_lock(me, successor)
 
@@ -469,7 +469,7 @@ class TimeLock:
                 return
             # Ordinary threads may still enter, but time advances only while the main thread calls
             # the kit.
-            elif not any(thread.main for thread in list(self._threads.values())):
+            elif not any(thread.is_main for thread in list(self._threads.values())):
                 self.on_stall()
                 self._hand_over(me, None)
             else:
@@ -501,7 +501,7 @@ class TimeLock:
             f"The program cannot continue: {waits}. A wait must be ended by a timer, a message or "
             "another thread; give it a time limit, or let another thread spin."
         )
-        next((t for t in self._waiting if t.main and t.waits_in(graph)), me).pending_error = error
+        next((t for t in self._waiting if t.is_main and t.waits_in(graph)), me).pending_error = error
 
     def _hand_over(self, me: ProgramThread, successor: ProgramThread | None) -> None:
         """Pass the lock to `successor`, or release it until the main thread is back.
@@ -522,7 +522,7 @@ class TimeLock:
             is_impatient = False
             try:
                 # Signals arrive in the main thread, so it must never wait without a timeout.
-                waiting = not me.turn.acquire(timeout=LOOK if me.main else -1)
+                waiting = not me.turn.acquire(timeout=LOOK if me.is_main else -1)
             except KeyboardInterrupt as interrupt:
                 is_impatient = isinstance(me.pending_error, KeyboardInterrupt)
                 me.pending_error = interrupt
@@ -555,7 +555,7 @@ class TimeLock:
             # On a busy machine the kit's own nodes may take seconds to load a robot or a map.
             if is_busy and (line := line_of_thread(ident)):
                 is_reported = True
-                say(
+                print_notice(
                     f'Thread "{thread.name}" has been running without a pause ({line}). '
                     "Here one thread runs at a time, so the rest of the program waits for it: put "
                     "time.sleep(0.01) into its loop. Ctrl+C or ■ ends the program."
@@ -588,7 +588,7 @@ class TimeLock:
                 seen_ns, started_at = graph.now_ns, time.process_time()
             # CPU time, as a program may also wait for a key or a file.
             elif time.process_time() - started_at > BUSY_SECONDS and (line := line_of_thread(ident)):
-                say(
+                print_notice(
                     f"The main thread has computed for {BUSY_SECONDS:g} s without a call of ROS "
                     f"({line}). Robot time does not advance: put rclpy.spin_once(node) or "
                     "time.sleep(0.01) into a loop that waits. Ctrl+C ends the program."
@@ -623,7 +623,7 @@ class HeldTimeLock:
             thread = threading.current_thread()
             main = thread is threading.main_thread()
             me = time_lock.new_thread(thread.name, main=main, is_ordinary=not main)
-            me.polls = time_lock._polls_in_cells if me.main and current_graph().notebook else 0
+            me.polls = time_lock._polls_in_cells if me.is_main and current_graph().notebook else 0
             time_lock.enter(me)
         self._me = me
         try:
@@ -636,7 +636,7 @@ class HeldTimeLock:
         me, time_lock = self._me, self._time_lock
         me.depth -= 1
         if me.depth == 0:
-            time_lock._polls_in_cells = me.polls if me.main else time_lock._polls_in_cells
+            time_lock._polls_in_cells = me.polls if me.is_main else time_lock._polls_in_cells
             time_lock.leave(me)
 
 

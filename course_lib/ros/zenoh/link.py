@@ -300,7 +300,7 @@ class ZenohEntity(Entity):
 
     @property
     def token(self) -> str:
-        """The key expression of its liveliness token."""
+        """The key expression of the entity's liveliness token."""
         parts = [ADMIN, str(self.domain), self.zid, str(self.node_id), str(self.id), CODES[self.kind]]
         parts += [_mangle(self.enclave), _mangle(self.namespace), self.node]
         if self.kind != "node":

@@ -6,7 +6,7 @@ from typing import Any
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.graph.graph import current_graph
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_notice
 from course_lib.ros.time import pace
 from course_lib.ros.time.driving import running_nodes, wait_for
 from course_lib.ros.time.pace import SECONDS_WITHOUT_A_PAGE
@@ -88,7 +88,9 @@ def _show(view: RqtView) -> None:
     view.listen()
     if running_nodes() and view.listens:
         wait_for(lambda: False, seconds=SECONDS_WITHOUT_A_PAGE)
-        say(f"No page is watching: rqt received messages for {SECONDS_WITHOUT_A_PAGE:g} s of robot time.")
+        print_notice(
+            f"No page is watching: rqt received messages for {SECONDS_WITHOUT_A_PAGE:g} s of robot time."
+        )
     before = view.static_html()
     handle = display(HTML(before), display_id=True)
     shell: Any = get_ipython()

@@ -10,7 +10,7 @@ from course_lib.ros.messages import message_class, service_class
 from course_lib.ros.messages.conversions import PrintOptions, to_yaml
 from course_lib.tools.param import find_node, parameter_client, parameter_nodes
 from course_lib.tools.rqt.view import RqtView, table
-from course_lib.tools.sources import answer, own_node
+from course_lib.tools.sources import own_node, wait_for_response
 from course_lib.tools.verb import fill
 
 # Time limit for a response in robot time [s]. The page is blocked until then.
@@ -75,7 +75,7 @@ class ServiceCallerView(RqtView):
         request = kind.Request()
         fill(request, self.request.value)
         with own_node(self.source) as node:
-            response = answer(
+            response = wait_for_response(
                 self.source, node.create_client(kind, name).call_async(request), name, ANSWER_LIMIT
             )
         self._message = f"<b>Response</b><pre>{escape(to_yaml(response, PrintOptions()))}</pre>"

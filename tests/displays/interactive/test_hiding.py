@@ -25,8 +25,8 @@ def test_other_controls_are_hidden_during_a_drag_unless_always_visible(stage: St
     session = stage.viewer.session
     session.tools[0]["Hide Inactive Objects"] = hides
     desk = OrderHandler(session)
-    desk.carry_out(order(f"{HELD}/0/mesh", "down", (0.5, 0.0, 0.0)))
-    desk.carry_out(order(f"{HELD}/0/mesh", "move", (0.6, 0.0, 0.0)))
+    desk.execute(order(f"{HELD}/0/mesh", "down", (0.5, 0.0, 0.0)))
+    desk.execute(order(f"{HELD}/0/mesh", "move", (0.6, 0.0, 0.0)))
     assert visibilities(stage) == [True, not hides, not hides, True]
-    desk.carry_out(order(f"{HELD}/0/mesh", "up", (0.6, 0.0, 0.0)))
+    desk.execute(order(f"{HELD}/0/mesh", "up", (0.6, 0.0, 0.0)))
     assert visibilities(stage) == [True] * 4

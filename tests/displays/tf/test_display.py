@@ -259,14 +259,14 @@ def test_unchanged_frames_send_no_scene_changes() -> None:
 def test_properties_of_new_frames_are_added_in_one_step(monkeypatch: pytest.MonkeyPatch) -> None:
     bench = Bench()
     display = bench.session.add("rviz_default_plugins/TF", "TF", {})
-    grow = type(display).grow
+    grow = type(display).add_properties
     calls: list[int] = []
 
     def count(display: Display, *rows: Property) -> list[str]:
         calls.append(len(rows))
         return grow(display, *rows)
 
-    monkeypatch.setattr(type(display), "grow", count)
+    monkeypatch.setattr(type(display), "add_properties", count)
     for number in range(50):
         bench.transform("map", f"frame{number}")
     bench.update()

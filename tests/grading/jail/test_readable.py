@@ -17,7 +17,7 @@ from course_lib.grading.jail.filters import Isolation
 from course_lib.grading.jail.launch import (
     ReadablePaths,
     TemplateProcess,
-    readable,
+    find_readable_paths,
     select_readable,
     shared_template,
     symlinks_along,
@@ -99,19 +99,20 @@ def test_required_folder_that_is_the_course_itself_is_an_error(tmp_path: Path) -
 
 
 def test_only_declared_distributions_are_readable() -> None:
-    packages = [folder for folder in readable().listed if folder.endswith("site-packages")]
+    listed = find_readable_paths().listed
+    packages = [folder for folder in listed if folder.endswith("site-packages")]
     for name, wanted in {"numpy": True, "yaml": True, "mypy": False, "pytest": False}.items():
         found = [path for folder in packages if os.path.exists(path := os.path.join(folder, name))]
         assert found, name
-        assert is_open(found[0], readable()) is wanted, name
+        assert is_open(found[0], find_readable_paths()) is wanted, name
 
 
 @pytest.mark.slow
 def test_course_inside_a_required_folder_is_rejected_without_namespaces(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    conflict = ReadablePaths(**{**vars(readable()), "conflict": "/usr/lib/submissions"})
-    monkeypatch.setattr("course_lib.grading.jail.launch.readable", lambda _: conflict)
+    conflict = ReadablePaths(**{**vars(find_readable_paths()), "conflict": "/usr/lib/submissions"})
+    monkeypatch.setattr("course_lib.grading.jail.launch.find_readable_paths", lambda _: conflict)
     with pytest.raises(CourseError, match="/usr/lib/submissions is in a folder that Python needs"):
         TemplateProcess(("bubblewrap", "namespaces")).close()
 
@@ -119,7 +120,8 @@ def test_course_inside_a_required_folder_is_rejected_without_namespaces(
 @pytest.mark.slow
 def test_template_process_does_not_change_file_modes() -> None:
     def modes() -> list[int]:
-        return [os.stat(path).st_mode for path in (*readable().listed, *readable().paths)]
+        readable = find_readable_paths()
+        return [os.stat(path).st_mode for path in (*readable.listed, *readable.paths)]
 
     before = modes()
     with closing(TemplateProcess()):

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.grading.marking.by_hand import find_stale, follow_marks, mark_by_hand
+from course_lib.grading.marking.by_hand import find_stale, mark_by_hand, update_reports
 from course_lib.grading.marking.marking_queue import MarkingQueue
 from course_lib.grading.marks import MarkEntry, MarksConflictError, read_marks, results_in
 from course_lib.grading.store import Course, lock_folder, marks_path, report_path
@@ -141,7 +141,7 @@ def test_marks_are_saved_while_the_folder_is_locked_and_reports_are_updated_late
     assert find_stale(out) == [("ada", "week05_exercise")]
     page = report_path(out, "ada", "week05_exercise")
     assert "done" not in page.read_text()
-    assert "Wrote 1 report," in follow_marks(out, kinds)
+    assert "Wrote 1 report," in update_reports(out, kinds)
     assert "an example: well &lt;b&gt;done&lt;/b&gt;" in page.read_text()
     assert "ada,week05_exercise,40.0" in (out / "gradebook.csv").read_text()
     assert find_stale(out) == []

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any
 
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_notice
 from rclpy import utilities
 from rclpy.context import NOT_INITIALIZED
 from rclpy.context import Context as Context
@@ -65,7 +65,7 @@ def init(
         raise TypeError("install_signal_handlers(): incompatible function arguments.")
     used_context = context or get_default_context()
     if context is None and used_context.graph.notebook and used_context.is_valid:
-        say("rclpy.init() was already called; everything keeps running.")
+        print_notice("rclpy.init() was already called; everything keeps running.")
         return InitContextManager(used_context)
     try:
         used_context.init(args, domain_id=domain_id)

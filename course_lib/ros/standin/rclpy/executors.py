@@ -15,7 +15,7 @@ from typing import Any
 
 from course_lib.ros.graph.graph import Graph, current_graph
 from course_lib.ros.mistakes import Mistake, mark, marked
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_notice
 from course_lib.ros.time import pace
 from course_lib.ros.time.interrupts import until_interrupted, watch
 from course_lib.ros.time.time_lock import AtEnd, ShutDown, never, time_lock
@@ -197,7 +197,7 @@ class Executor(AbstractContextManager["Executor"]):
             raise AttributeError(f"'{type(node).__name__}' object has no attribute 'executor'")
         self.__require_guard()
         if node.handle.has_left:
-            say(
+            print_notice(
                 f"hint: {node.handle.full_name} is spun and does nothing: it was destroyed, replaced by a "
                 "newer node of its name, or created before rclpy.shutdown(). Create it again."
             )
@@ -270,7 +270,9 @@ class Executor(AbstractContextManager["Executor"]):
         with until_interrupted(), self._course_with_live_nodes():
             self._course_spin_until(limit_ns, lambda: not self.__is_running)
         if graph.now_ns == limit_ns:
-            say(f"No page is watching: spin() stopped after {pace.SECONDS_WITHOUT_A_PAGE:g} s of robot time.")
+            print_notice(
+                f"No page is watching: spin() stopped after {pace.SECONDS_WITHOUT_A_PAGE:g} s of robot time."
+            )
 
     def _course_spin_until(
         self,

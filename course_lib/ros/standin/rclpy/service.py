@@ -150,7 +150,7 @@ class ServiceEnd(Entity):
 
     def __receive(self, data: bytes, source_ns: int, received_ns: int) -> None:
         client, number = SERVICE_HEADER.unpack_from(data)
-        # A service accepts all requests, a client the responses to its own ones.
+        # A service accepts all requests, and a client only the responses to its own requests.
         if not self.__asks or client == self._course_id:
             self._course_queue.append((client, number, data[SERVICE_HEADER.size :]))
             self._course_node.mark_ready(self)

@@ -226,7 +226,7 @@ class Task(_AnyFuture):
             if isinstance(self._handler, partial):
                 try:
                     self.set_result(self._handler())
-                # It is an error of the function here, and not the end of a coroutine.
+                # The function itself raised it: here it does not mark the end of a coroutine.
                 except StopIteration as error:
                     self.set_exception(error)
             else:

@@ -5,7 +5,7 @@ import weakref
 from rcl_interfaces.msg import SetParametersResult
 from rosgraph_msgs.msg import Clock as ClockMessage
 
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_notice
 from rclpy.clock import Clock, ROSClock
 from rclpy.impl.node_handle import AnyNode, NodeHandle
 from rclpy.logging import get_logger
@@ -124,7 +124,7 @@ class TimeSource:
             return
         if not self._last_time_set.nanoseconds:
             name, topic = node.handle.full_name, clock.topic_name
-            say(
+            print_notice(
                 f"hint: {name} has use_sim_time, and nobody publishes {topic}: its time stands at "
                 "0 and its timers wait. Start a simulation or `ros2 bag play --clock`, or set "
                 "use_sim_time to false."

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from course_lib.ros.graph.graph import Alarm
 from course_lib.ros.mistakes import Mistake, marked
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_notice
 from course_lib.ros.time.time_lock import DeadlockError, time_lock
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock, ClockChange, ClockType, JumpHandle, JumpThreshold, TimeJump
@@ -114,7 +114,7 @@ class Timer(Entity):
         self.__hinted = True
         took, period = f"{span_ns * 1e-9:g} s", f"{self.__period_ns * 1e-9:g} s"
         name = f"{getattr(self.callback, '__name__', 'the callback')} of {self._course_node.full_name}"
-        say(
+        print_notice(
             f"hint: {name} took {took}, and its timer's period is {period}: it is always late, "
             "and callbacks in the same thread wait. Return at once, without time.sleep; the timer "
             "calls again."
@@ -274,7 +274,7 @@ class Rate:
         if self.__has_reminded or is_spun or not self._timer._course_is_due:
             return
         self.__has_reminded = True
-        say(
+        print_notice(
             f"hint: {line_of_thread(sleeper).rstrip(':') or 'Rate.sleep()'}: the tick does not "
             f"come, as no thread spins {node.full_name}. Spin it in a thread: "
             "threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start(). Or use a "

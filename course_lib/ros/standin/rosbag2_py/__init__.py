@@ -27,7 +27,7 @@ from course_lib.recording import (
 )
 from course_lib.recording.storage import data_files
 from course_lib.ros.graph.topics import Qos
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_notice
 
 STORAGES = ("mcap", "sqlite3")
 
@@ -493,7 +493,7 @@ class SequentialWriter:
         """Write the cached messages. Return False if the bag was not opened in snapshot mode."""
         writer = self._require_open()
         if not self._options.snapshot_mode:
-            say("SequentialWriter take_snapshot called when snapshot mode is disabled")
+            print_notice("SequentialWriter take_snapshot called when snapshot mode is disabled")
             return False
         with _raise_bag_errors(self._folder):
             for topic, message, stamp_ns in self._cache:
@@ -556,7 +556,7 @@ def _check_options(options: StorageOptions, converter: ConverterOptions) -> tupl
         raise BagError("Max cache size must be greater than 0 when snapshot mode is enabled")
     for option in ("max_bagfile_size", "max_bagfile_duration"):
         if getattr(options, option):
-            say(f"{_ONE_FILE} {option}={getattr(options, option)} changes nothing.")
+            print_notice(f"{_ONE_FILE} {option}={getattr(options, option)} changes nothing.")
     return storage, presets[preset]
 
 

@@ -11,7 +11,7 @@ from action_msgs.srv import CancelGoal
 from unique_identifier_msgs.msg import UUID
 
 from course_lib.ros.mistakes import Mistake, marked
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_notice
 from rclpy.callback_groups import CallbackGroup
 from rclpy.duration import S_TO_NS
 from rclpy.impl.endpoint import require_type
@@ -358,7 +358,7 @@ class ActionServer:
         """Print a hint once for each server."""
         if text not in self.__hints:
             self.__hints.add(text)
-            say(f"hint: {text}")
+            print_notice(f"hint: {text}")
 
     async def __cancel_goals(self, request: CancelGoal.Request, respond: Respond) -> None:
         response = CancelGoal.Response()

@@ -63,7 +63,7 @@ class Remap:
 
 @dataclass
 class RequestedNames:
-    """The full names of topics and services, nodes and parameters of a program, and the applied rules."""
+    """The full names that nodes of a program requested, and the remapping rules applied to them."""
 
     topics: set[str] = field(default_factory=set)
     nodes: set[str] = field(default_factory=set)

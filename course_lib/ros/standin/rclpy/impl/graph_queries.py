@@ -250,7 +250,7 @@ def to_profile(qos: Qos) -> QoSProfile:
 
 
 def _limit_ns(duration: Duration) -> int | None:
-    """Return a limit in [ns]; None if it is unspecified (zero) or infinite."""
+    """Return the duration of a QoS policy in [ns]; None if unspecified (zero) or infinite."""
     return duration.nanoseconds if 0 < duration.nanoseconds < DeadlineBestAvailable.nanoseconds else None
 
 

@@ -13,7 +13,7 @@ from operator import attrgetter
 from types import FunctionType
 from typing import Any
 
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_notice
 from course_lib.ros.tracebacks import line_of_thread
 
 _LISTS = "create_{0}(), destroy_{0}() and the executor use it as the list of the node's {0}s"
@@ -188,7 +188,7 @@ def notice(base: str, class_name: str, name: str, use: str, place: str) -> None:
     if (class_name, name) not in _noticed:
         _noticed.add((class_name, name))
         where = f" ({place})" if place else ""
-        say(
+        print_notice(
             f"hint: {class_name}.{name}{where} is a name of rclpy's own {base}: {use}. This breaks "
             f"the {base.lower()} on a robot, even where it works here. Choose another name, like "
             f"my{name}."

@@ -12,7 +12,7 @@ from lifecycle_msgs.msg import State, Transition, TransitionDescription, Transit
 from course_lib.errors import join_words
 from course_lib.ros.hints import hint
 from course_lib.ros.near_names import nearest
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_notice
 from course_lib.ros.tracebacks import line_of_traceback
 from rclpy.callback_groups import CallbackGroup
 from rclpy.impl import private_names
@@ -363,7 +363,7 @@ class LifecycleNodeMixin(ManagedEntity):
         for name in [name for name in vars(type(self)) if name.startswith("on_")]:
             meant = nearest(name, set(_CALLBACKS.values()) - vars(type(self)).keys(), 0.85)
             if meant and name not in _CALLBACKS.values():
-                say(f"hint: no transition calls {name}: did you mean {meant}?")
+                print_notice(f"hint: no transition calls {name}: did you mean {meant}?")
         # A dict keeps the order in which the entities were added.
         self.__managed_entities: dict[ManagedEntity, None] = {}
         node = cast("Node", self)
@@ -481,7 +481,7 @@ class LifecycleNodeMixin(ManagedEntity):
             # Publishers that stay disabled drop messages although the node is active.
             publishers = [one for one in self.__managed_entities if isinstance(one, LifecyclePublisher)]
             if topics := [one.topic_name for one in publishers if not one.is_activated]:
-                say(
+                print_notice(
                     f"hint: the node is active, and {join_words(topics)} drops all messages: end "
                     "on_activate with return super().on_activate(state)."
                 )
@@ -503,7 +503,7 @@ class LifecycleNodeMixin(ManagedEntity):
             text = f"{name}: {_CALLBACKS[number]}() raised {type(error).__name__}: {error}"
             text = f"{text} ({place})" if place else text
             help_text = hint(error)
-            say(f"{text}; hint: {help_text}" if help_text else text)
+            print_notice(f"{text}; hint: {help_text}" if help_text else text)
             return TransitionCallbackReturn.ERROR
 
 
