@@ -1,5 +1,5 @@
 # mypy: ignore-errors
-"""Random sequences of calls: parameters with descriptors and callbacks, and transitions that fail.
+"""Random sequences of calls: parameters with descriptors and callbacks, transitions that fail, tasks.
 
 The seed is the name of a probe. Both worlds draw the same numbers, until an outcome differs.
 """
@@ -15,9 +15,11 @@ from rcl_interfaces.msg import (
     ParameterValue,
     SetParametersResult,
 )
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.task import Future
 from std_msgs.msg import String
 
 NAN, INFINITY = float("nan"), float("inf")
@@ -161,8 +163,117 @@ def transitions(seed: Any) -> Any:
     return found, chance.received
 
 
+class Tasks:
+    """Futures and tasks that complete, cancel and create each other, and what has run in which order."""
+
+    def __init__(self, chance: Any) -> None:
+        self.chance, self.received = chance, chance.received
+        self.executor = SingleThreadedExecutor()
+        self.executor.add_node(Node("n"))
+        self.futures = [Future(executor=self.executor), Future(), Future(executor=self.executor)]
+
+    def function(self, name: Any) -> Any:
+        kind = self.chance.choice(("ok", "ok", "raise", "stop", "task", "cancel"))
+
+        def call(*arguments: Any, **named: Any) -> Any:
+            self.received.append((name, arguments, named))
+            if kind in ("raise", "stop"):
+                raise ValueError(name) if kind == "raise" else StopIteration(name)
+            if kind == "task":
+                self.add(lambda: self.received.append((name, "inner")))
+            if kind == "cancel":
+                self.futures[0].cancel()
+            return name
+
+        return call
+
+    def coroutine(self, name: Any) -> Any:
+        kind = self.chance.choice(("ok", "ok", "raise", "again", "nested", "stop"))
+        awaited = [self.chance.choice(self.futures) for _ in range(self.chance.randint(0, 2))]
+
+        async def call() -> Any:
+            self.received.append((name, "begin"))
+            for future in awaited:
+                try:
+                    self.received.append((name, await future))
+                except Exception as error:
+                    self.received.append((name, repr(error)))
+                    if kind == "again":
+                        raise
+            if kind in ("raise", "stop"):
+                raise KeyError(name) if kind == "raise" else StopAsyncIteration(name)
+            if kind == "nested":
+                self.received.append((name, await self.add(lambda: f"inside {name}")))
+            return name
+
+        return call
+
+    def when_done(self, name: Any) -> Any:
+        kind = self.chance.choice(("ok", "ok", "raise", "late", "task", "remove"))
+
+        def call(future: Any) -> None:
+            self.received.append((name, future.done(), future.cancelled()))
+            if kind == "raise":
+                raise ValueError(name)
+            if kind == "late":
+                future.add_done_callback(lambda done: self.received.append((name, "late")))
+            if kind == "task":
+                self.add(lambda: self.received.append((name, "inner")))
+            if kind == "remove":
+                self.received.append((name, future.remove_done_callback(call)))
+
+        return call
+
+    def add(self, work: Any, *arguments: Any, **named: Any) -> Any:
+        self.futures.append(self.executor.create_task(work, *arguments, **named))
+        return self.futures[-1]
+
+    def spin(self) -> Any:
+        raised = [outcome(self.executor.spin_once, timeout_sec=0.003) for _ in range(30)]
+        return [text for text in raised if text != "None"]
+
+    def change(self, name: Any) -> Any:
+        kind = self.chance.choice(
+            (
+                *("coroutine", "callback", "set", "spin", "until") * 2,
+                *("function", "object", "exception", "cancel"),
+            )
+        )
+        future = self.chance.choice(self.futures)
+        match kind:
+            case "function":
+                self.add(self.function(name), *self.chance.choice(((), (1, 2))), k=1)
+            case "coroutine":
+                self.add(self.coroutine(name))
+            case "object":
+                self.add(self.coroutine(name)())
+            case "callback":
+                future.add_done_callback(self.when_done(name))
+            case "set":
+                self.chance.choice(self.futures[:3]).set_result(name)
+            case "exception":
+                self.chance.choice(self.futures[:3]).set_exception(ValueError(name))
+            case "cancel":
+                future.cancel()
+            case "spin":
+                return self.spin()
+            case _:
+                self.executor.spin_until_future_complete(future, timeout_sec=0.2)
+        return kind
+
+
+def tasks(seed: Any) -> Any:
+    chance = Chance(seed)
+    program, found = Tasks(chance), []
+    for step in range(chance.randint(5, 18)):
+        chance.received.append(outcome(program.change, f"step {step}"))
+    found += [program.spin(), *(outcome(future.result) for future in program.futures)]
+    return chance.received, found, [(one.done(), one.cancelled()) for one in program.futures]
+
+
 lines("parameters", **{str(seed): lambda seed=seed: parameters(seed) for seed in range(80)})
 lines("transitions", **{str(seed): lambda seed=seed: transitions(seed) for seed in range(40)})
+lines("tasks", **{str(seed): lambda seed=seed: tasks(seed) for seed in range(80)})
 
 if __name__ == "__main__":
     main()

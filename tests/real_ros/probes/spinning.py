@@ -180,6 +180,20 @@ def one_time_limit_while_a_coroutine_waits() -> Any:
     return node.ticks > 5
 
 
+@probe
+def calls_of_spin_once_while_a_coroutine_waits() -> Any:
+    node, executor, future = _ticking(period=0.02), SingleThreadedExecutor(), Future()
+    executor.add_node(node)
+
+    async def wait() -> None:
+        await future
+
+    executor.create_task(wait)
+    for _ in range(12):
+        executor.spin_once(timeout_sec=1.0)
+    return node.ticks
+
+
 def _nodes_of(executor: Any, *counts: Any) -> Any:
     nodes = [_ticking(f"n{index}") for index in range(3)]
     for node in nodes:

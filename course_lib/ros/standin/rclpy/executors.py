@@ -25,7 +25,7 @@ from rclpy.exceptions import NotInitializedException
 from rclpy.impl import private_names
 from rclpy.impl.implementation_singleton import INVALID_CONTEXT, RCLError
 from rclpy.impl.node_handle import Entity, HandledNode, NodeHandle, Turn
-from rclpy.task import Future, Task, TaskRunner
+from rclpy.task import Future, Task, TaskRunner, order
 from rclpy.task import await_or_execute as await_or_execute
 from rclpy.utilities import timeout_sec_to_nsec
 
@@ -80,7 +80,7 @@ class CallbackTask(Task):
         Future.__init__(self, executor=executor)
         self.entity = turn.entity
         self._handler, self._course_awaited, self._executing = _run_callback(turn, call, graph), None, False
-        self._course_number = turn.order
+        self._course_number = next(order)
 
 
 async def _run_callback(turn: Turn, call: Callable[[], object], graph: Graph) -> None:
@@ -154,10 +154,10 @@ class Executor(AbstractContextManager["Executor"]):
         self.__polled: deque[Task | Turn] | None = None
         # The waits with the arguments of the latest call.
         self.__waits = _Waits((-1, never))
-        # The tasks of the present round that have not had their turn, and whether one has run
-        # since the last callback.
-        self.__round: list[Task] = []
-        self.__has_run_tasks = False
+        # The tasks of the present round that have not had their turn; None before a round. After
+        # a round, the callbacks run that became ready before this number.
+        self.__round: list[Task] | None = None
+        self.__round_end = 0
         # The task that each thread runs, by thread identifier.
         self.__under_way: dict[int, Task] = {}
         self._course_threads = 1
@@ -325,12 +325,16 @@ class Executor(AbstractContextManager["Executor"]):
         if timeout_sec == 0:
             time_lock.poll()
             with time_lock.hold():
+                self.__round = None
                 task = self.__poll()
                 if task is not None:
                     self._course_execute(task)
             return
         self.__polled = None
         limit_ns = timeout_sec_to_nsec(timeout_sec)
+        if limit_ns != self.__waits.arguments[0]:
+            # As in rclpy, which creates a new generator for other arguments.
+            self.__round = None
         with self.__explain_in_callback(limit_ns, _NESTED_SPIN_ONCE):
             self._spin_once_impl(limit_ns, never)
 
@@ -370,7 +374,7 @@ class Executor(AbstractContextManager["Executor"]):
         return None
 
     def __ready_now(self) -> deque[Task | Turn]:
-        """List the tasks that can continue, and the first turn of each ready entity."""
+        """List the tasks, and the first turn of each ready entity."""
         turns: dict[Entity, Turn] = {}
         for handle in self._nodes.values():
             for turn in handle.turns():
@@ -390,6 +394,7 @@ class Executor(AbstractContextManager["Executor"]):
         end_ns = None if limit_ns < 0 else graph.now_ns + limit_ns
         is_over = _Completion(future)
         with self.__explain_in_callback(limit_ns, _NESTED_SPIN), time_lock.hold():
+            self.__round = None
             while self.__is_running and self.context.ok() and future._pending():
                 self._spin_once_impl(-1 if end_ns is None else end_ns - graph.now_ns, is_over)
                 if end_ns is not None and graph.now_ns >= end_ns:
@@ -429,6 +434,7 @@ class Executor(AbstractContextManager["Executor"]):
                 if task is not None or limit_ns == 0:
                     return task
                 if not time_lock.wait(is_over, until_ns=until_ns, awaited=self.__awaited):
+                    self.__round = None
                     break
         finally:
             waits.is_running = False
@@ -520,42 +526,46 @@ class Executor(AbstractContextManager["Executor"]):
     def _course_next_task(self) -> Task | None:
         """Remove and return the next task.
 
-        As in rclpy, all tasks that can continue have a turn, the latest first, before callbacks
-        run. A callback runs before the next round, so that a coroutine that polls, `while not
-        ready: await asyncio.sleep(0)`, does not prevent it. Callbacks run in the order in which
-        they became ready.
+        As in rclpy, all tasks have a turn, the latest first. Then the callbacks run that were ready
+        at the end of this round, in the order in which they became ready, before the next round
+        begins. So a coroutine that polls, `while not ready: await asyncio.sleep(0)`, does not
+        prevent them.
         """
         if not self._tasks:
-            return self.__next_callback()
-        if not self.__round and self.__has_run_tasks:
-            self.__has_run_tasks = False
-            next_task = self.__next_callback()
-            if next_task is not None:
-                return next_task
-        if not self.__round:
-            self.__round = self.__tasks_in_order()
-        while self.__round:
-            task = self.__round.pop()
-            if task in self._tasks and task._course_can_go_on():
-                self._tasks.remove(task)
-                self.__has_run_tasks = True
-                return task
-        return self.__next_callback()
+            callback = self.__next_callback()
+            self.__round, self.__round_end = None if callback is None else [], next(order)
+            return callback
+        for _ in range(2):
+            if self.__round is None:
+                self.__round, self.__round_end = self.__tasks_in_order(), 0
+            while self.__round:
+                task = self.__round.pop()
+                if task in self._tasks and task._course_can_go_on():
+                    self._tasks.remove(task)
+                    return task
+            self.__round_end = self.__round_end or next(order)
+            callback = self.__next_callback(self.__round_end)
+            if callback is not None:
+                return callback
+            self.__round = None
+        return None
 
     def __tasks_in_order(self) -> list[Task]:
-        """List the tasks that can continue, sorted by creation."""
-        ready = (task for task in self._tasks if task._course_can_go_on())
-        return sorted(ready, key=lambda task: task._course_number)
+        """List the tasks, sorted by creation.
 
-    def __next_callback(self) -> Task | None:
-        """Return the task for the callback that became ready first, or None without one."""
+        A task that waits now may continue after an earlier one of the list.
+        """
+        return sorted(self._tasks, key=lambda task: task._course_number)
+
+    def __next_callback(self, end: int | None = None) -> Task | None:
+        """Return the task for the callback that became ready first, before the number `end`, if any."""
         while True:
             first: Turn | None = None
             for handle in self._nodes.values():
                 turn = handle.first_ready()
                 if turn is not None and (first is None or turn.order < first.order):
                     first = turn
-            if first is None:
+            if first is None or (end is not None and first.order >= end):
                 return None
             task = self.__take(first)
             if task is not None:
