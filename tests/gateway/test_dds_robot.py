@@ -1,11 +1,10 @@
 """A class whose gateway reaches the robot over DDS; the robot is a DDS participant of the kit."""
 
-import itertools
-import os
 import threading
 import time
 from collections.abc import Callable, Iterator
 from functools import partial
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,7 @@ from course_lib.ros.robot.link import Packet
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.robot.sending import STALE_SECONDS, STOP_PERIOD, Permissions
 from course_lib.ros.zenoh.link import ZenohLink
+from tests.domains import Domains
 from tests.gateway.conftest import ROSTER
 from tests.gateway.test_driving import AHEAD, STAND, TWIST
 from tests.patience import PATIENCE, join
@@ -29,10 +29,8 @@ STRING, SET_BOOL, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/SetBool", "std_
 LATCHED = Qos(depth=1, durability="transient_local")
 CALLED = ["/reset", "/private", "/lab/move", "/lab/secret"]
 SENSOR = Qos(depth=5, reliability="best_effort")
-# Workers of pytest-xdist run at the same time, so each uses separate domains.
-FIRST_DOMAIN, DOMAINS_PER_WORKER = 200, 6
-WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")) % 5
-domains = itertools.cycle(range(DOMAINS_PER_WORKER))
+FIRST_DOMAIN = 200
+DOMAINS = Domains(FIRST_DOMAIN, count=6)
 
 
 def text(content: str) -> bytes:
@@ -88,7 +86,7 @@ class DdsClassroom:
     """A gateway in front of a robot over DDS, and its users. All are driven by `until`."""
 
     def __init__(self, folder: Path, **robot: Any) -> None:
-        self.domain = FIRST_DOMAIN + DOMAINS_PER_WORKER * WORKER + next(domains)
+        self.domain = DOMAINS.next()
         self.lines: list[str] = []
         self.robot = Robot(self.domain, **robot)
         place = f"tcp/127.0.0.1:{free_port()}"
@@ -204,10 +202,12 @@ def test_only_the_driver_moves_the_robot_and_it_stops_without_commands(room: Dds
         return len(room.robot.commands) > 3 and room.gateway.held["s1234"] > 3
 
     room.until(commands, "Bob's commands")
-    assert set(room.robot.commands) == {AHEAD}
+    # The robot also stops when this test, on a busy machine, does not publish for half a second.
+    assert {AHEAD} <= set(room.robot.commands) <= {AHEAD, STAND}
     room.until(lambda: room.robot.commands[-1] == STAND, "the stop")
+    stops = list(takewhile(STAND.__eq__, reversed(room.robot.commands)))
     # One stop is the kit's, one the gateway's.
-    assert 1 <= room.robot.commands.count(STAND) <= 2
+    assert 1 <= len(stops) <= 2
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ import pytest
 from tests.benchmarks.wild_files import files_of, judged_error, judgement, started
 from tests.benchmarks.wild_programs import Row, table
 from tests.displays.test_layout import LAYOUT
+from tests.patience import PATIENCE
 
 LAUNCH, LAYOUTS = table("launch"), table("layout")
 
@@ -95,7 +96,8 @@ def test_reason_contains_no_local_path() -> None:
     ],
 )
 def test_launch_results_distinguish_full_partial_and_failed_starts(
-    action: str, result: str, tmp_path: Path
+    action: str, result: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("tests.benchmarks.wild_files.LIMIT", PATIENCE)
     (tmp_path / "a.launch.py").write_text(PYTHON.format(action))
     assert started(tmp_path, Row("a/b", "1", "a.launch.py"))[0] == result

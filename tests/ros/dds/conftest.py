@@ -1,7 +1,5 @@
 """Kits that are linked by DDS, on loopback and in a separate domain."""
 
-import itertools
-import os
 from collections.abc import Iterator
 
 import pytest
@@ -9,12 +7,11 @@ import pytest
 from course_lib.ros.dds.link import DdsLink
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.robot.sending import Permissions
+from tests.domains import Domains
 from tests.ros.zenoh.conftest import Kits
 
-# Workers of pytest-xdist run at the same time, so each uses separate domains.
-FIRST_DOMAIN, DOMAINS_PER_WORKER = 100, 20
-WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")) % 5
-domains = itertools.cycle(range(DOMAINS_PER_WORKER))
+# The last domain of the last worker, and the one after it, are below those of the gateway's tests.
+DOMAINS = Domains(first=101, count=19)
 
 
 class DdsKits(Kits):
@@ -23,7 +20,7 @@ class DdsKits(Kits):
     def __init__(self) -> None:
         super().__init__("dds/127.0.0.1")
         self.links: list[DdsLink] = []
-        self.domain = FIRST_DOMAIN + DOMAINS_PER_WORKER * WORKER + next(domains)
+        self.domain = DOMAINS.next()
 
     def join(self, *, domain: int = 0, send: str = "", call: str = "", host: str = "127.0.0.1") -> RobotGraph:
         """Link one more graph."""
