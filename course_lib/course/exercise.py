@@ -173,14 +173,22 @@ def stub(code: str) -> str:
 
 
 def exercise_from(solution: Notebook) -> Notebook:
-    """Return the exercise of a solution: without answers, outputs and cells for instructors."""
+    """Return the exercise of a solution: without answers, outputs and cells for instructors.
+
+    Raises:
+        CourseError: The markers of an answer are wrong. The message names the cell.
+    """
     exercise = copy.deepcopy(solution)
     exercise["cells"] = [
         c for c in exercise["cells"] if "solution" not in c.get("metadata", {}).get("tags", [])
     ]
     for cell in exercise["cells"]:
         if cell.get("cell_type") == "code":
-            cell["source"] = stub(source(cell)).splitlines(keepends=True)
+            try:
+                cell["source"] = stub(source(cell)).splitlines(keepends=True)
+            except CourseError as error:
+                begin = source(cell).strip().partition("\n")[0]
+                raise CourseError(f"in the cell that begins with {begin!r}, {error}") from error
             cell["outputs"], cell["execution_count"] = [], None
     return exercise
 

@@ -91,6 +91,7 @@ def test_invalid_solution_marker_is_reported_in_one_line(
         exercise_module.main()
     line = str(leaving.value.code)
     assert line.startswith(f"error: {tmp_path / 'week09_solution.ipynb'}: ")
+    assert f"in the cell that begins with {cell.partition(chr(10))[0]!r}, " in line
     assert message in line
     assert "\n" not in line
 

@@ -115,4 +115,9 @@ if os.fork() == 0:
         while time.time() < end: pass
     os._exit(0)
 """),
+    tries("sets_clocks", "import time; time.clock_settime(0, 1.0)", "call(227, 0, b'\\0' * 16)",
+          "call(164, b'\\0' * 16, 0)", "call(159, b'\\0' * 208)", "call(170, b'x', 1)"),
+    tries("kernel_objects", "call(323, 0)", "call(298, 0, 0, 0, 0, 0)", "call(425, 1, b'\\0' * 120)",
+          "call(248, b'user', b'x', b'y', 1, -3)", "call(29, 0, 4096, 0o1600)", "call(68, 0, 0o1600)",
+          "call(240, b'/q', 64, 0o600, 0)", "call(175, b'', 0, b'')", "call(246, 0, 0, 0, 0)"),
 )  # fmt: skip

@@ -210,4 +210,45 @@ print("week01.half: 40 of 40 points\\x1b]0;title\\x07")
         change=replaced("length / 2", "length"),
         final=70,
     ),
+    Entry(
+        "patches_rclpy",
+        "import rclpy.node\n"
+        "rclpy.node.Node.create_publisher = lambda *a, **k: type('P', (), {'publish': lambda *m: None})()",
+        final=50,
+    ),
+    Entry(
+        "endless_generator",
+        change=replaced('answer = 2 * my_values("week01.answer")["n"]', "answer = iter(int, 1)"),
+        final=100,
+    ),
+    Entry(
+        "integer_lies",
+        change=replaced(
+            "return length / 2",
+            """
+    class Whole(int):
+        __index__ = __int__ = __float__ = lambda self: 2.0
+        bit_length = lambda self: 1
+    return Whole(7)""",
+        ),
+        final=70,
+    ),
+    Entry(
+        "huge_repr",
+        change=replaced(
+            "return length / 2",
+            "\n    class Huge:\n        __repr__ = lambda self: 'x' * 10**9\n    return Huge()",
+        ),
+        final=70,
+    ),
+    Entry(
+        "nested_errors",
+        "error = ValueError('x')\nfor _ in range(5000): error = ExceptionGroup('g', [error])\nraise error",
+    ),
+    Entry("collects_badly", "import gc\ngc.callbacks.append(lambda *a: 1 / 0)"),
+    Entry(
+        "audits",
+        "import sys\ndef no(event, rest):\n    if event in ('import', 'open'): raise RuntimeError('no')\nsys.addaudithook(no)",
+    ),
+    Entry("locks_its_folder", "import os\nos.chmod('.', 0)"),
 )

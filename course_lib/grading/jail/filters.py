@@ -363,8 +363,9 @@ class Isolation:
         if need == "partial" and not self.is_protective:
             raise CourseError(
                 f"submissions would run with your rights, {self}: they could read and change your "
-                "files. Grade on Linux or WSL2; if you trust all of them, add "
-                "--i-trust-these-submissions"
+                "files. Grade on Linux 5.13 or newer, or WSL2; if this is a container on Linux, it "
+                "forbids them: grade outside of it, or in one that allows Landlock and seccomp. If "
+                "you trust all submissions, add --i-trust-these-submissions"
             )
 
 
