@@ -430,7 +430,7 @@ def node_modules(file: Path, nodes: Sequence[str]) -> tuple[list[NodeModule], di
         exported, left_out = [s for s in code if s.cell.is_marked], [s for s in code if not s.cell.is_marked]
     else:
         exported, left_out = code, []
-    roots = node_classes(exported, nodes)
+    roots = node_classes(exported, nodes, left_out)
     modules = [_module(root, roots, exported, left_out) for root in roots]
     reasons_by_class = {
         m.class_name: why for m in modules if (why := m.obstacle(modules, exported, named=bool(nodes)))
@@ -486,8 +486,15 @@ _ALWAYS_THERE = {*dir(builtins), "__name__", "__file__", "__doc__", "__class__"}
 _REGISTERING = ("import tf2_geometry_msgs", "import tf2_sensor_msgs")
 
 
-def node_classes(code: Sequence[Statement], names: Sequence[str]) -> list[Statement]:
+def node_classes(
+    code: Sequence[Statement], names: Sequence[str], left_out: Sequence[Statement] = ()
+) -> list[Statement]:
     """Find the classes to export, by name or by default all subclasses of Node.
+
+    Args:
+        code: The statements that may be exported.
+        names: The names of classes, or none.
+        left_out: The statements of cells that are not marked, which the error refers to.
 
     Raises:
         CourseError: A name is not a class, or there are no subclasses of Node.
@@ -495,8 +502,12 @@ def node_classes(code: Sequence[Statement], names: Sequence[str]) -> list[Statem
     classes = {name: s for s in code if isinstance(s.node, ast.ClassDef) for name in s.bindings}
     for name in names:
         if name not in classes:
+            # A student who pastes a class over the whole cell also replaces the mark.
+            cells = [str(s.cell.number) for s in left_out if name in s.bindings]
+            advice = f" Cell {''.join(cells[-1:])} defines {name}: write # export into its first line."
             raise CourseError(
                 f"There is no class {name!r} to export; there is: {', '.join(classes) or 'none'}."
+                f"{advice if cells else ''}"
             )
     selected = [classes[name] for name in names or classes if names or _is_node(classes[name], classes)]
     if not selected:

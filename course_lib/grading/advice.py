@@ -47,11 +47,14 @@ BETTER = "Better: this is worth more points than before."
 _SNIPPET = re.compile(r"`([^`]+)`")
 # Messages that RViz2 displays with its default Reliable, and that sensors do not publish.
 RELIABLE_TYPES = ("visualization_msgs/msg/", "nav_msgs/msg/", "geometry_msgs/msg/", "vision_msgs/msg/")
-# Messages that the controllers of ros2_control subscribe to as Reliable.
-COMMAND_TYPES = ("trajectory_msgs/msg/",)
 SILENT = "nothing was published on an expected topic"
 AFTER_AN_ERROR = (
     "Your code stopped with the error above. Fix that line first: the failed checks follow from it."
+)
+# Each call of a function is checked by itself, so that an error does not explain the others.
+AFTER_AN_ERROR_IN_A_CALL = (
+    "One call of your function stopped with the error above: fix that line. "
+    "Other calls return a wrong value. "
 )
 
 # Kinds of mistakes that may be caused by a list that keeps the items of earlier calls, unless the
@@ -178,6 +181,11 @@ class Advice:
             texts = [TOO_MUCH]
         elif result.errors:
             texts = [AFTER_AN_ERROR if has_line else "The error above is the cause: begin with it."]
+            missing = (NEEDS_ANOTHER, "a value is missing")
+            wrong = (c.mistake for c in result.checks if not c.passed and c.mistake not in missing)
+            returned = next(wrong, "") if task.kind == "function" and has_line else ""
+            if returned:
+                texts = [AFTER_AN_ERROR_IN_A_CALL + _hint_by_cause(task, returned.split("; ")[0])]
         elif causes[:1] == [SILENT]:
             hidden = caught.other if caught is not None else ""
             own = _missing_call(code, result) or hidden or find_hidden_error(source)
@@ -639,16 +647,14 @@ def large_message_hint(evidence: Iterable[Evidence]) -> list[str]:
 def best_effort_hint(evidence: Iterable[Evidence]) -> list[str]:
     """Return a sentence about a topic that RViz2 would not display, because it is published as Best Effort.
 
-    Images and scans are often best effort, so that tasks with sensors intend it.
+    Images and scans are often best effort, so that tasks with sensors intend it. A trajectory as
+    Best Effort is not accepted: no controller receives it.
     """
     for sample in (sample for record in evidence for sample in record.samples):
-        is_command = sample.type_name.startswith(COMMAND_TYPES)
-        is_relevant = is_command or sample.type_name.startswith(RELIABLE_TYPES)
-        if sample.qos.reliability == "best_effort" and is_relevant:
-            receivers = "controllers" if is_command else "the displays of RViz2"
+        if sample.qos.reliability == "best_effort" and sample.type_name.startswith(RELIABLE_TYPES):
             return [
                 f"Here the checks accept that {sample.topic} is published with Best Effort. On ROS "
-                f"2, {receivers} request Reliable and would receive nothing: pass a "
+                "2, the displays of RViz2 request Reliable and would receive nothing: pass a "
                 "number like 10 as the last argument of create_publisher."
             ]
     return []

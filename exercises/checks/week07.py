@@ -44,6 +44,8 @@ ASIDE = inputs.corners((1.0, -0.5, 3.0), (1.0, 0.6, 2.0))
 # The first corner of one is ahead, the last one of the other: all corners have to be looked at.
 BEYOND = inputs.corners((1.0, 0.0, 0.5), (1.0, 1.0, 4.0))[::-1]
 CLOSE = inputs.corners((0.0, 0.0, 1.05), (0.5, 0.5, 2.0))
+# Its left and top are outside the picture.
+OUTSIDE = inputs.corners((-1.5, -0.2, 2.5), (1.0, 1.6, 1.0))
 PARTLY = "a box that is partly behind the camera"
 EDGE = [[0.0, 0.0, 0.1], [0.2, 0.1, 1.0]]  # just far enough
 SIDES = ("left", "top", "right", "bottom")
@@ -63,13 +65,19 @@ BOX_ON_IMAGE = Task(
     scenarios=(
         Scenario(
             "public",
-            calls=(Call(K, AHEAD), Call(WIDE, ASIDE), Call(K, EDGE), Call(K, BEYOND), Call(K, CLOSE)),
+            calls=(
+                *(Call(K, AHEAD), Call(WIDE, ASIDE), Call(K, EDGE)),
+                *(Call(K, BEYOND), Call(K, CLOSE), Call(WIDE, OUTSIDE)),
+            ),
             checks=lightly(
                 IN_MIDDLE,
                 expect_value([118.25, 10.5, 212.0, 66.5], call=1, name="another rectangle", **PX),
                 expect_value([159.5, 119.5, 214.9, 147.2], call=2, name="the one from 0.1 m on", **PX),
                 expect_value([], call=3, name=f"the answer for {PARTLY}").requiring(IN_MIDDLE),
                 expect_value([], call=4, name="the answer for a box 0.05 m ahead").requiring(IN_MIDDLE),
+                expect_value(
+                    [-50.5, -5.5, 49.5, 122.5], call=5, name="the rectangle partly outside the picture", **PX
+                ),
             ),
         ),
     ),
@@ -194,7 +202,7 @@ TRAJECTORY_TASK = Task(
                 WAY.titled("the way from its beginning to now"),
                 expect_nothing_before(TRAJECTORY, 1.0).requiring(WAY).titled("nothing until tf2 knows"),
                 expect_rate(TRAJECTORY, 10.0, begin=1.1).requiring(WAY).worth(0.2),
-                expect_stamps(TRAJECTORY, tolerance=0.12).requiring(WAY).worth(0.2).titled("the header"),
+                expect_stamps(TRAJECTORY, tolerance=0.12).requiring(KEPT_UP).worth(0.2).titled("the header"),
             ),
         ),
         Scenario(

@@ -101,6 +101,13 @@ def test_existing_files_are_not_overwritten_without_force(tmp_path: Path) -> Non
     assert {path.name for path in tmp_path.iterdir()} == {"n.ipynb", "my_package"}
 
 
+def test_class_in_a_cell_that_lost_its_mark_is_reported(tmp_path: Path) -> None:
+    marked = "# export\n" + NODE.replace("Talker", "Other")
+    file = write_notebook(tmp_path / "n.ipynb", [marked, TALKER])
+    with pytest.raises(CourseError, match="Cell 2 defines Talker: write # export into its first line"):
+        export(file, "my_package", tmp_path, nodes=["Talker"])
+
+
 @pytest.mark.parametrize("name", ["My-Package", "2fast", "a", "x__y", "rclpy", "test", "ünder", "a_", ""])
 def test_package_name_violating_rep_144_is_rejected(tmp_path: Path, name: str) -> None:
     file = write_notebook(tmp_path / "n.ipynb", [NODE, TALKER])

@@ -21,6 +21,7 @@ import course_lib.grading.vocabulary
 from course_lib.course.material import exercises_dir, solutions_dir
 from course_lib.grading.advice import (
     AFTER_AN_ERROR,
+    AFTER_AN_ERROR_IN_A_CALL,
     SILENT,
     TOO_MUCH,
     Advice,
@@ -47,6 +48,7 @@ WORDS = Path(course_lib.grading.vocabulary.__file__).parent
 LADDER = ("one", "two", "three")
 MISTAKE = "a value has the wrong sign"
 TASK = Task("week01.half", "Half of it", "function", "half", LADDER, (Scenario("public"),))
+NODE_TASK = replace(TASK, kind="node")
 
 
 def failing(mistake: str, title: str = "its value") -> CheckResult:
@@ -273,8 +275,18 @@ def test_after_an_exception_hints_on_missing_messages_are_omitted() -> None:
     stopped = replace(
         result(failing("nothing was published on an expected topic")), errors=("ValueError: x (line 3: x())",)
     )
-    messages = [advice.hint(TASK, stopped) for _ in range(2)]
+    messages = [advice.hint(NODE_TASK, stopped) for _ in range(2)]
     assert messages == [[f"Hint: {AFTER_AN_ERROR}"], [f"Hint: {AFTER_AN_ERROR}", "Hint 1 of 3: one"]]
+
+
+def test_error_in_one_call_does_not_hide_the_hint_on_the_other_calls() -> None:
+    checks = (failing("a value is missing"), failing(MISTAKE))
+    stopped = replace(result(*checks), errors=("ValueError: math domain error (line 3: x())",))
+    (hint,) = Advice().hint(TASK, stopped)
+    (own,) = Advice().hint(TASK, result(failing(MISTAKE)))
+    assert hint == f"Hint: {AFTER_AN_ERROR_IN_A_CALL}{own.removeprefix('Hint: ')}"
+    only = replace(stopped, checks=checks[:1])
+    assert Advice().hint(TASK, only) == [f"Hint: {AFTER_AN_ERROR}"]
 
 
 @pytest.mark.parametrize(
@@ -361,7 +373,8 @@ def test_subscription_to_another_topic_is_reported(topics: tuple[str, ...], hint
 def test_hint_ladder_starts_when_an_exception_repeats() -> None:
     advice, texts = Advice(), ("ValueError: x", "TypeError: y", "TypeError: y")
     errors = [f"{text} (cell In[{cell}], line {cell}: x())" for cell, text in enumerate(texts)]
-    messages = [advice.hint(TASK, replace(result(failing(MISTAKE)), errors=(error,))) for error in errors]
+    stopped = [replace(result(failing(MISTAKE)), errors=(error,)) for error in errors]
+    messages = [advice.hint(NODE_TASK, one) for one in stopped]
     after = f"Hint: {AFTER_AN_ERROR}"
     assert messages == [[after], [after], [after, "Hint 1 of 3: one"]]
 

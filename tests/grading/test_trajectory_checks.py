@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -80,3 +81,11 @@ def test_extra_trajectories_or_missing_points_are_reported(evidence: MakeEvidenc
     assert only_one.judge(two).message == f"2 trajectories were published on {TOPIC}, expected 1"
     of_two = expect_trajectory(TOPIC, goal, at=1.0, seconds=3.0, points=2)
     assert of_two.judge(two).message == "the trajectory has 1 point, expected 2"
+
+
+def test_trajectory_that_no_controller_receives_is_reported(evidence: MakeEvidence) -> None:
+    made = evidence(sent())
+    samples = tuple(replace(one, qos=replace(one.qos, reliability="best_effort")) for one in made.samples)
+    verdict = CHECK.judge(replace(made, samples=samples))
+    assert (verdict.score, verdict.mistake) == (0.0, "a command is published with Best Effort")
+    assert "receives nothing" in verdict.message

@@ -129,7 +129,7 @@ class Rows(dict[str, RowEntry]):
         )
         if prop.convert is booleans:
             for name, on in value.items():
-                tick = partial(self._set_check_box, holder, prop.label, name)
+                tick = partial(self.check, holder, prop.label, name)
                 title, editor = name or "(no name)", protocol.Editor("bool")
                 self.put(f"{key}#{name}", key, title, tick, editor=editor, value=on)
         elif is_map:
@@ -142,7 +142,7 @@ class Rows(dict[str, RowEntry]):
                 waiting += [(row, *item) for item in reversed(below.items())]
 
     @staticmethod
-    def _set_check_box(holder: PropertyHolder, label: str, name: str, is_enabled: Any) -> None:
+    def check(holder: PropertyHolder, label: str, name: str, is_enabled: Any) -> None:
         """Set one entry of a map of check boxes."""
         holder[label] = {**holder[label], name: is_enabled}
 
@@ -197,6 +197,12 @@ def _put_member(rows: Rows, session: RvizSession, member: Display | Group, paren
     if statuses:
         rows.put_statuses(f"{key}!", key, "Status", statuses)
     rows.put_properties(member, key)
+    above = f"{key}#Visibility"
+    # A Camera lists each other display; without an entry a display is enabled.
+    for name in (other.name for other in session.displays if above in rows and other is not member):
+        if f"{above}#{name}" not in rows:
+            tick, editor = partial(rows.check, member, "Visibility", name), protocol.Editor("bool")
+            rows.put(f"{above}#{name}", above, name, tick, editor=editor, value=True)
 
 
 def _key(member: Display | Group) -> str:

@@ -704,6 +704,12 @@ def expect_trajectory(
     from course_lib.robots.trajectory import waypoints_of
 
     when, trajectory = _find_trajectory(evidence, topic, index, points, of)
+    sent = [sample for sample in evidence.samples if sample.topic == topic]
+    if any(sample.qos.reliability == "best_effort" for sample in sent):
+        message = (
+            f"{topic} is published with Best Effort; the controller requests Reliable and receives nothing"
+        )
+        raise Problem(message, "a command is published with Best Effort")
     try:
         *_, last = waypoints_of(trajectory, list(goal), Time(nanoseconds=START_NS + round(when * 1e9)))
     # A time before 1970 raises a ValueError.

@@ -5,6 +5,7 @@ import pytest
 from sensor_msgs.msg import CameraInfo, Image
 
 from course_lib.displays.display import Display
+from course_lib.displays.panel.desk import display_rows
 from course_lib.viewer.drawables import Inset
 from tests.displays.bench import Bench
 from tests.displays.images.test_pixels import image
@@ -185,3 +186,23 @@ def test_far_plane_accepts_the_distances_of_rviz(distance: float) -> None:
     assert inset is not None
     assert inset.camera is not None
     assert inset.camera.far == max(distance, 0.02)
+
+
+def test_panel_lists_the_other_displays_below_visibility() -> None:
+    bench = Bench()
+    camera = add(bench)
+    bench.session.add("rviz_default_plugins/Axes", "Axes", {})
+    above = f"{camera.path}#Visibility#"
+
+    def boxes() -> dict[str, Any]:
+        rows = display_rows(bench.session)
+        return {key.removeprefix(above): rows[key].row.value for key in rows if key.startswith(above)}
+
+    others = {display.name: True for display in bench.session.displays if display is not camera}
+    assert "Axes" in others
+    assert boxes() == {**others, "Grid": False}
+    edit = display_rows(bench.session)[f"{above}Axes"].edit
+    assert edit is not None
+    edit(False)
+    assert boxes() == {**others, "Grid": False, "Axes": False}
+    assert camera["Visibility"] == {"Grid": False, "Axes": False}
