@@ -256,6 +256,12 @@ def test_panels_of_two_notebooks_are_tabs_that_follow_them_and_code_stays_readab
             await opened.context.ready; }"""
         notebook.ask(script, f"{notebook.folder.name}/blue.ipynb")
         notebook.wait_idle()
+        # A notebook without a view has the whole width.
+        wait_until(lambda: panel(notebook).count() == 0, notebook.page)
+        notebook.page.locator(".lm-TabBar-tab:has-text('beside_two.ipynb')").click()
+        wait_until(lambda: panel(notebook).count() == 1, notebook.page)
+        notebook.page.locator(".lm-TabBar-tab:has-text('blue.ipynb')").click()
+        wait_until(lambda: panel(notebook).count() == 0, notebook.page)
         notebook.run_all()
         tab = notebook.page.locator(TAB)
         expect(tab).to_have_text(["RViz: beside_two", "RViz: blue"])

@@ -384,22 +384,43 @@
   function arrangePanels(app, tracker) {
     /** Panels by the notebooks whose views they show. */
     const panels = new Map();
+    /** Panels that are tabs behind another notebook, because their own is out of sight. */
+    const stowed = new Set();
     let isFolded = false; // whether the file browser was folded for them
     const fold = () => {
       if (app.shell.leftCollapsed) return;
       isFolded = true;
       app.shell.collapseLeft();
     };
+    const isBeside = (panel) => panel.isAttached && !stowed.has(panel);
     const unfold = () => {
-      if (!isFolded || [...panels.values()].some((panel) => panel.isAttached)) return;
+      if (!isFolded || [...panels.values()].some(isBeside)) return;
       isFolded = false;
       if (app.shell.leftCollapsed) app.shell.expandLeft();
+    };
+    /** Give the whole width to a notebook without a view, which has covered the notebooks of these views. */
+    const stow = (notebook) => {
+      if (!notebook?.isVisible || panels.has(notebook)) return;
+      for (const [owner, panel] of panels) {
+        if (owner.isVisible || owner.parent !== notebook.parent || !isBeside(panel)) continue;
+        stowed.add(panel);
+        panel.parent.addWidget(panel, { mode: "tab-after", ref: owner });
+        notebook.parent.selectWidget(notebook);
+      }
+    };
+    /** Show a view next to its notebook, which is in sight again. */
+    const unstow = (notebook, panel) => {
+      stowed.delete(panel);
+      const other = [...panels.values()].find((one) => one !== panel && isBeside(one));
+      panel.parent.addWidget(panel, other ? { mode: "tab-after", ref: other } : { mode: "split-right", ref: notebook });
+      panel.parent.selectWidget(panel);
+      divideWidth(notebook, panel, fold);
     };
     document.addEventListener("course-docked", ({ target, detail }) => {
       const panel = [...app.shell.widgets("main")].find((one) => one.node.contains(target));
       const notebook = tracker.find((one) => one.context === detail.context);
       if (!panel?.parent?.layout?.moveHandle || !notebook || panels.get(notebook) === panel) return;
-      const other = [...panels.values()].find((one) => one.isAttached);
+      const other = [...panels.values()].find(isBeside);
       panels.set(notebook, panel);
       // As RViz's window, which bears the name of its file: with two notebooks, there are two such panels.
       const updateTitle = () => {
@@ -412,6 +433,7 @@
       panel.disposed.connect(() => {
         notebook.title.changed.disconnect(updateTitle);
         if (panels.get(notebook) === panel) panels.delete(notebook);
+        stowed.delete(panel);
         unfold();
       });
       notebook.disposed.connect(() => panel.isDisposed || panel.dispose());
@@ -423,7 +445,10 @@
     });
     tracker.currentChanged.connect((_, notebook) => {
       const panel = panels.get(notebook);
-      if (panel?.isAttached && !panel.isVisible) panel.parent.selectWidget(panel);
+      if (stowed.has(panel)) unstow(notebook, panel);
+      else if (panel?.isAttached && !panel.isVisible) panel.parent.selectWidget(panel);
+      // JupyterLab shows a notebook that was opened a moment after it has become the current one.
+      requestAnimationFrame(() => stow(tracker.currentWidget));
     });
   }
 
