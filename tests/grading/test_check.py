@@ -304,6 +304,12 @@ def test_shared_cause_is_not_repeated_in_every_row(
     assert "0 of 2 checks passed" in output
 
 
+def test_code_between_backticks_in_a_hint_is_shown_as_code() -> None:
+    hint = "Hint: `low < <b> <= high` is one line"
+    html = Table(TaskResult("t", "T", 1, False, ()), (hint,))._repr_mimebundle_()["text/html"]
+    assert "<p>Hint: <code>low &lt; &lt;b&gt; &lt;= high</code> is one line</p>" in html
+
+
 def test_printed_output_is_escaped_in_html() -> None:
     html = Table(TaskResult("t", "T", 1, False, ()), (), ("<b>", "x"))._repr_mimebundle_()["text/html"]
     assert "<pre>&lt;b&gt;\nx</pre>" in html

@@ -13,6 +13,7 @@ from course_lib.grading.records import CheckResult, TaskResult
 
 if TYPE_CHECKING:
     from jinja2 import Environment
+    from markupsafe import Markup
 
 ALL_PASSED = "all public checks passed; hidden checks run at grading"
 # Some spreadsheets also interpret the full-width forms of the first four.
@@ -163,7 +164,15 @@ def _templates() -> "Environment":
     loader = FileSystemLoader(Path(__file__).with_name("templates"))
     environment = Environment(loader=loader, autoescape=True, finalize=strip_control_characters)
     environment.globals["content_policy"] = _policy
+    environment.filters["code"] = _mark_code
     return environment
+
+
+def _mark_code(text: str) -> "Markup":
+    """Escape a text as HTML, with the parts between backticks as code."""
+    from markupsafe import Markup, escape
+
+    return Markup(re.sub("`([^`]+)`", r"<code>\1</code>", str(escape(strip_control_characters(text)))))
 
 
 def _policy(script: str, has_scenes: object, loads_viewer: object) -> str:
