@@ -34,6 +34,13 @@ def test_time_panel_shows_robot_time_and_controls_its_speed(bench: Bench) -> Non
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("width", [120, 160])  # [px]
+def test_narrow_time_panel_shows_all_digits(bench: Bench, width: int) -> None:
+    script = "(bar, width) => { bar.style.width = `${width}px`; return bar.scrollWidth - bar.clientWidth; }"
+    assert bench.page.locator(".course-time").evaluate(script, width) == 0
+
+
+@pytest.mark.slow
 def test_focused_time_panel_is_controlled_by_keys(bench: Bench) -> None:
     bench.page.get_by_role("button", name="Pause (Space)").focus()
     bench.page.keyboard.press("Space")

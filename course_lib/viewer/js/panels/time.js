@@ -8,7 +8,6 @@ const TIME_STYLE = `
   background: var(--jp-layout-color1, Canvas); }
 .course-time:not(.course-viewer *) { color-scheme: light dark; }
 .course-time input { flex: 1 1 8em; min-width: 6em; }
-.course-time output span { white-space: nowrap; }
 .course-time output { flex: 1 1 26em; display: flex; flex-wrap: wrap; gap: 0 10px; font-variant-numeric: tabular-nums; }
 .course-time button { min-width: 2.2em; min-height: 24px; }
 .course-time button[aria-pressed="true"] { outline: 2px solid currentColor; outline-offset: -2px; }`;
