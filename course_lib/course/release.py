@@ -66,8 +66,12 @@ def free_folder(out: Path) -> Path:
     """
     root, out = checkout_root(), out.expanduser().resolve()
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        # The draft is hidden, so the folder may look empty, or like a complete release.
+        is_draft_left = out.is_dir() and any(out.glob(".release.*.draft"))
+        killed = ": a release into it was killed and is not complete" if is_draft_left else ""
         raise CourseError(
-            f"{out} is not an empty folder. Choose a folder that does not exist yet, or remove this one."
+            f"{out} is not an empty folder{killed}. Choose a folder that does not exist yet, or remove "
+            "this one."
         )
     if any(out.is_relative_to(root / name) for name in _released_names()):
         raise CourseError(f"{out} is inside the released files. Choose a folder elsewhere.")

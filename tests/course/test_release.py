@@ -162,6 +162,12 @@ def test_files_written_by_lessons_are_not_released(tmp_path: Path) -> None:
     assert sorted(path.name for path in copied.iterdir()) == ["week01_x.ipynb", "week07_parts.py"]
 
 
+def test_folder_of_a_killed_release_is_rejected_with_the_reason(tmp_path: Path) -> None:
+    (tmp_path / ".release.x1.draft").mkdir()
+    with pytest.raises(CourseError, match="a release into it was killed and is not complete"):
+        release(tmp_path)
+
+
 def test_nonempty_release_folder_is_rejected_and_unchanged(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
     with pytest.raises(CourseError, match="not an empty folder"):
