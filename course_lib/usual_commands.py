@@ -196,7 +196,9 @@ def fix_hash_seed(arguments: list[str]) -> None:
     command_line = [sys.executable, "-P", "-m", "course_lib", *arguments]
     environment = os.environ | {"PYTHONHASHSEED": HASH_SEED}
     if os.name == "posix":
-        sys.stdout.flush()
+        # It is None if the command was started with a closed output: course run my_node.py >&-
+        if sys.stdout is not None:
+            sys.stdout.flush()
         # Python ends with a fatal error if it is interrupted while it starts. `main` unblocks it.
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         os.execve(sys.executable, command_line, environment)

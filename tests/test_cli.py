@@ -9,6 +9,7 @@ import pytest
 import course_lib
 from course_lib.usual_commands import HASH_SEED
 from tests.conftest import Typed
+from tests.patience import PATIENCE
 
 PROGRAM = Path(__file__).parent / "programs" / "timer.py"
 HELLO = "import rclpy\nrclpy.init()\nrclpy.create_node('hello').get_logger().info(rclpy.__file__)\n"
@@ -147,6 +148,16 @@ def test_sim_time_without_a_robot_is_rejected(tmp_path: Path, in_process: Callab
 
 
 @pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="the output is closed by the shell")
+def test_program_runs_with_a_closed_output(tmp_path: Path) -> None:
+    program = tmp_path / "program.py"
+    program.write_text("from pathlib import Path\nPath(__file__).with_suffix('.txt').write_text('ran')\n")
+    command = f"exec {sys.executable} -m course_lib run {program} >&-"
+    process = subprocess.run(command, shell=True, stderr=subprocess.PIPE, text=True, timeout=PATIENCE)
+    assert (process.returncode, process.stderr) == (0, "")
+    assert program.with_suffix(".txt").read_text() == "ran"
+
+
 def test_exit_code_of_run_is_the_exit_code_of_the_program(tmp_path: Path) -> None:
     (tmp_path / "fails.py").write_text("raise ValueError('no')")
     (tmp_path / "leaves.py").write_text("import sys\nsys.exit(3)")

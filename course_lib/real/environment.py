@@ -178,9 +178,12 @@ def find_environment() -> RealEnvironment:
     """
     configured = os.environ.get(PYTHON)
     python = Path(configured) if configured else default_folder() / "bin" / "python"
-    if not python.exists():
+    if not python.is_file():
         if configured:
-            raise CourseError(f"{PYTHON} is {configured}, where there is no Python. Correct it, or unset it.")
+            raise CourseError(
+                f"{PYTHON} is {configured}, which is not a Python. Set it to the file bin/python of an "
+                "environment, or unset it."
+            )
         reason = unsupported_reason()
         if reason:
             raise CourseError(f"The real ROS 2 cannot be installed here: {reason}.")
@@ -217,6 +220,7 @@ def install(report: Callable[[str], None]) -> RealEnvironment:
                         "another package index, or a target folder? Remove it, then repeat the command."
                     )
             except BaseException:
+                report(f"Nothing is installed: {folder} is removed.")
                 shutil.rmtree(folder, ignore_errors=True)
                 environment.incomplete_mark.unlink(missing_ok=True)
                 raise

@@ -98,6 +98,7 @@ class RealProcesses:
                 "packages": packages,
                 "used": str(self._used),
                 "is_timed": is_timed,
+                "parent": os.getpid(),
             }
         )
         self._variables = clean_variables() | {

@@ -6,6 +6,7 @@ A bag is a folder with metadata.yaml and an MCAP file. `storage` reads the files
 import hashlib
 import os
 import re
+import shutil
 import struct
 import sys
 import time
@@ -160,7 +161,13 @@ class BagWriter:
         self._writer.set_compression(CompressionMode[compression.upper()], CompressionFormat.ZSTD)
         for name, text in (custom_data or {}).items():
             self._writer.set_custom_data(name, text)
-        self._writer.open()
+        try:
+            self._writer.open()
+        except OSError as error:
+            # On a full disk, the writer leaves an incomplete bag in the folder that it has created.
+            if not isinstance(error, FileExistsError):
+                shutil.rmtree(folder, ignore_errors=True)
+            raise
         self._connections: dict[tuple[str, str], Connection] = {}
 
     def add(self, topic: str, type_name: str, offered: Sequence[Qos] = ()) -> None:

@@ -150,8 +150,10 @@ def test_interrupted_installation_leaves_nothing_behind(
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     monkeypatch.setattr(environment, "unsupported_reason", lambda: "")
     monkeypatch.setattr(environment, "_create", fail)
+    lines: list[str] = []
     with pytest.raises((KeyboardInterrupt, CourseError)):
-        install(lambda line: None)
+        install(lines.append)
+    assert lines[-1] == f"Nothing is installed: {environment.default_folder()} is removed."
     assert not list(environment.default_folder().parent.iterdir())
 
 
@@ -250,6 +252,15 @@ def test_venv_failure_is_reported_with_the_missing_package(
     python = f"python{sys.version_info.major}.{sys.version_info.minor}"
     with pytest.raises(CourseError, match=f"{python} cannot create .*: apt install {python}-venv, then"):
         environment._create(tmp_path / "folder", 0)
+
+
+def test_folder_as_the_python_of_another_environment_is_rejected(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    make_environment(tmp_path, pins())
+    monkeypatch.setenv(environment.PYTHON, str(tmp_path))
+    with pytest.raises(CourseError, match=r"which is not a Python\. Set it to the file bin/python of an"):
+        find_environment()
 
 
 def test_relative_data_folder_is_ignored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,3 +1,5 @@
+import errno
+import os
 from pathlib import Path
 
 import pytest
@@ -81,6 +83,19 @@ def test_crash_while_writing_leaves_no_files_behind(tmp_path: Path, monkeypatch:
     with pytest.raises(RuntimeError):
         write_bag(make_recording(), tmp_path / "bag")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_writer_that_cannot_start_on_a_full_disk_leaves_no_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(writer: Writer) -> None:
+        writer.path.mkdir()
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Writer, "open", fail)
+    with pytest.raises(OSError, match="No space left on device"):
+        BagWriter(tmp_path / "bag")
+    assert not any(tmp_path.iterdir())
 
 
 def test_unwritable_bag_folder_is_reported(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ scenario, and ARGUMENTS are topics that the kit publishes. SETTINGS is a diction
 - packages: packages of types without a wheel
 - used: a file that receives a line for each package that is not from ROS
 - is_timed: whether the kit, not the user, interrupts the program
+- parent: the process id of the kit
 """
 
 import ast
@@ -53,7 +54,6 @@ WAIT = 0.005
 KINDS = ("msg", "srv", "action")
 # An option of Linux's prctl.
 PARENT_DEATH_SIGNAL = 1
-PARENT = os.getppid()
 # Time that a program has to end after its parent was killed [s].
 ORPHAN_SECONDS = 5
 # C code calls the functions of this file, through ctypes.
@@ -162,18 +162,24 @@ def print_error(
         return
     while trace is not None and trace.tb_frame.f_code.co_filename == __file__:
         trace = trace.tb_next
+    last = trace
+    while last is not None and last.tb_next is not None:
+        if last.tb_next.tb_frame.f_code is interrupt.__code__:
+            last.tb_next = None
+            break
+        last = last.tb_next
     traceback.print_exception(kind, error, trace)
     if isinstance(error, ModuleNotFoundError) and error.name:
         sys.stderr.write(NOT_INSTALLED.format(error.name.partition(".")[0]))
 
 
-def interrupt(_: int, frame: FrameType | None) -> None:
+def interrupt(_: int, frame: FrameType | None, *, parent_process: int) -> None:
     """Raise KeyboardInterrupt, outside of the callbacks of `late_types`.
 
     ctypes discards an exception of a callback, so that the program would miss Ctrl+C. There, the
     exception is raised when the C function returns to the Python code that called it.
     """
-    if os.getppid() != PARENT:
+    if os.getppid() != parent_process:
         # The parent was killed. Nothing else ends a program that continues after the interrupt.
         signal.alarm(ORPHAN_SECONDS)
     caller = None
@@ -256,6 +262,8 @@ def main() -> None:
     settings = ast.literal_eval(text)
     # If the parent process is killed, the program is interrupted as by Ctrl+C.
     ctypes.CDLL(None).prctl(PARENT_DEATH_SIGNAL, signal.SIGINT)
+    if os.getppid() != settings["parent"]:
+        sys.exit(128 + signal.SIGKILL)
     for name in ("LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE"):
         # Only this process needs these variables. They would break other Pythons started by the
         # program.
@@ -265,10 +273,12 @@ def main() -> None:
     sys.path[0] = str(file.resolve().parent)
     add_kit(Path(settings["kit"]))
     sys.meta_path.insert(0, KitPackages(settings, program))
-    signal.signal(signal.SIGINT, interrupt)
-    sys.excepthook = partial(print_error, is_timed=settings["is_timed"])
-    # The parent has blocked it while Python started.
+    # The parent has blocked it while Python started. Until the program begins, Ctrl+C ends Python
+    # without a traceback of this file.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    signal.signal(signal.SIGINT, partial(interrupt, parent_process=settings["parent"]))
+    sys.excepthook = partial(print_error, is_timed=settings["is_timed"])
     if subject == "-":
         execute(file, "__main__")
     else:
