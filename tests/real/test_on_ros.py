@@ -10,8 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.real.environment import find_environment
-from course_lib.real.process import RealProcesses
 from course_lib.recording import read_bag
 from tests.patience import PATIENCE
 from tests.processes import Program
@@ -205,18 +203,6 @@ def test_interrupted_program_has_a_traceback_without_lines_of_the_kit(tmp_path: 
     assert 'interrupted.py", line 2, in <module>' in run.stderr
     assert run.stderr.count("  File ") == 1
     assert "\nKeyboardInterrupt\n" in run.stderr
-
-
-def test_ctrl_c_before_the_program_begins_has_no_traceback(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    program = tmp_path / "unreached.py"
-    program.write_text("print('it began', flush=True)\n")
-    programs = RealProcesses(find_environment(), tmp_path, [program], print)
-    # Python does not start within the time until this interrupt, which is pending until then.
-    programs.start(program)
-    assert programs.end(lambda: time.sleep(0.01)) == 0
-    assert capfd.readouterr() == ("", "")
 
 
 def test_end_of_a_program_is_not_reported_as_a_lost_link(tmp_path: Path) -> None:

@@ -53,7 +53,7 @@ def test_interrupt_elsewhere_is_raised_immediately() -> None:
         os.kill(os.getpid(), signal.SIGINT)
 
 
-def test_interrupt_while_python_starts_is_raised_when_the_handler_is_installed(tmp_path: Path) -> None:
+def test_interrupt_while_python_starts_ends_it_without_a_traceback(tmp_path: Path) -> None:
     python, file, output = tmp_path / "python", tmp_path / "my_node.py", tmp_path / "stderr"
     # A shell that interrupts itself stands for the first lines of Python.
     python.write_text(f'#!/bin/sh\nkill -INT $$\nexec {sys.executable} "$@"\n')
@@ -65,4 +65,4 @@ def test_interrupt_while_python_starts_is_raised_when_the_handler_is_installed(t
         while programs.are_running():
             wall.sleep(0.01)
     assert programs.end(lambda: None) == 0
-    assert output.read_text().splitlines()[-1] == "KeyboardInterrupt"
+    assert output.read_text() == ""

@@ -54,6 +54,7 @@ WAIT = 0.005
 KINDS = ("msg", "srv", "action")
 # An option of Linux's prctl.
 PARENT_DEATH_SIGNAL = 1
+PARENT = os.getppid()
 # Time that a program has to end after its parent was killed [s].
 ORPHAN_SECONDS = 5
 # C code calls the functions of this file, through ctypes.
@@ -173,13 +174,13 @@ def print_error(
         sys.stderr.write(NOT_INSTALLED.format(error.name.partition(".")[0]))
 
 
-def interrupt(_: int, frame: FrameType | None, *, parent_process: int) -> None:
+def interrupt(_: int, frame: FrameType | None) -> None:
     """Raise KeyboardInterrupt, outside of the callbacks of `late_types`.
 
     ctypes discards an exception of a callback, so that the program would miss Ctrl+C. There, the
     exception is raised when the C function returns to the Python code that called it.
     """
-    if os.getppid() != parent_process:
+    if os.getppid() != PARENT:
         # The parent was killed. Nothing else ends a program that continues after the interrupt.
         signal.alarm(ORPHAN_SECONDS)
     caller = None
@@ -262,7 +263,8 @@ def main() -> None:
     settings = ast.literal_eval(text)
     # If the parent process is killed, the program is interrupted as by Ctrl+C.
     ctypes.CDLL(None).prctl(PARENT_DEATH_SIGNAL, signal.SIGINT)
-    if os.getppid() != settings["parent"]:
+    if settings["parent"] != PARENT or os.getppid() != PARENT:
+        # It was killed while Python started.
         sys.exit(128 + signal.SIGKILL)
     for name in ("LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE"):
         # Only this process needs these variables. They would break other Pythons started by the
@@ -277,7 +279,7 @@ def main() -> None:
     # without a traceback of this file.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-    signal.signal(signal.SIGINT, partial(interrupt, parent_process=settings["parent"]))
+    signal.signal(signal.SIGINT, interrupt)
     sys.excepthook = partial(print_error, is_timed=settings["is_timed"])
     if subject == "-":
         execute(file, "__main__")
