@@ -280,7 +280,7 @@ def pictures() -> Iterator[tuple[str, str, bytes]]:
         viewers = {name: viewer_of(name, entry) for name, entry in ENTRIES.items()}
         spin_for(SECONDS, Everything(), *robot_nodes())
         for name, viewer in viewers.items():
-            viewer.look()
+            viewer.refresh()
             yield name, ENTRIES[name].alt, renderer.draw(viewer.scene, SIZE)
         rclpy.shutdown()
 

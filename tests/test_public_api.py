@@ -27,7 +27,7 @@ def test_breaking_changes_since_the_last_release_require_a_new_minor_version(api
 def test_removed_names_methods_and_parameters_are_breaking_changes(api: griffe.Module) -> None:
     new = copy(api)
     new["robots"].del_member("load_robot")
-    new["displays.Viewer"].del_member("look")
+    new["displays.Viewer"].del_member("refresh")
     del new["displays.Viewer.__init__"].parameters["fixed_frame"]
     assert sorted(breakages(copy(api), new)) == [
         "course_lib.displays.Viewer.__init__: Parameter was removed",

@@ -234,7 +234,7 @@ class _LiveScene:
         if recording.time < self.since:
             self.since = self.end = recording.time
         if recording.time - self.since <= SECONDS:
-            self.viewer.look()
+            self.viewer.refresh()
             self.end, self.scene = recording.time, copy_of(recording.scene)
 
     def pack(self, interval: float) -> bytes:

@@ -111,7 +111,7 @@ def _start_jupyterlab(folder: Path, port: int) -> tuple["subprocess.Popen[bytes]
     if process.poll() is None or other == port:
         _stop(process)
         raise CourseError("JupyterLab did not start; see its message above. Try: python -m jupyterlab")
-    say(f"Another program has taken port {port} in the meantime. Using port {other}.")
+    print_now(f"Another program has taken port {port} in the meantime. Using port {other}.")
     return _start_jupyterlab(folder, other)
 
 
@@ -219,11 +219,11 @@ def lab(
     write_contents(folder)
     if hub_prefix() or not serves:
         next_step = f"Open {CONTENTS_FILE} of it in JupyterLab."
-        say("\n".join([f"Your course folder: {folder}", *report, next_step]))
+        print_now("\n".join([f"Your course folder: {folder}", *report, next_step]))
     elif port is None and (address := running_address(folder)):
         running = "JupyterLab already runs in this folder."
-        say("\n".join([f"Your course folder: {folder}", *report, running]))
-        say(f"Open this address in a browser:\n\n    {address}\n\nStop it with Ctrl+C in its terminal.")
+        print_now("\n".join([f"Your course folder: {folder}", *report, running]))
+        print_now(f"Open this address in a browser:\n\n    {address}\n\nStop it with Ctrl+C in its terminal.")
         if browser and can_open_browser():
             webbrowser.open(address)
     else:
@@ -231,20 +231,20 @@ def lab(
         if port not in (None, server_port):
             report.append(f"Port {port} is taken, using {server_port}.")
         report += provide_home(folder)
-        say("\n".join([f"Your course folder: {folder}", *report, "Starting JupyterLab …"]))
+        print_now("\n".join([f"Your course folder: {folder}", *report, "Starting JupyterLab …"]))
         signal.signal(signal.SIGTERM, signal.default_int_handler)
         if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
             signal.signal(signal.SIGHUP, signal.default_int_handler)
         try:
             with server(folder, server_port) as (process, address):
-                say(f"Open this address in a browser:\n\n    {address}\n\nStop with Ctrl+C.")
+                print_now(f"Open this address in a browser:\n\n    {address}\n\nStop with Ctrl+C.")
                 if browser and can_open_browser():
                     webbrowser.open(address)
                 process.wait()
         except KeyboardInterrupt:
-            say("\nJupyterLab is stopped. Your files are kept.")
+            print_now("\nJupyterLab is stopped. Your files are kept.")
 
 
-def say(text: str) -> None:
+def print_now(text: str) -> None:
     """Print a message and flush it, so that it also appears when the output is a pipe."""
-    print(text, flush=True)  # noqa: T201  the command's own voice
+    print(text, flush=True)  # noqa: T201  the output of the command

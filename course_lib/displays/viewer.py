@@ -235,7 +235,7 @@ class Viewer(KnownAttributes):
     @property
     def camera(self) -> Camera:
         """The camera that results from the view."""
-        self.look()
+        self.refresh()
         return self.scene.camera
 
     @property
@@ -296,7 +296,7 @@ class Viewer(KnownAttributes):
         Raises:
             CourseError: The page cannot be written.
         """
-        self.look()
+        self.refresh()
         scene: Scene | SceneRecording = self.scene_recording if playback else self.scene
         seconds = round(self.scene_recording.duration) if playback else 0
         subject = f"{seconds} s of robot time" if seconds else "the view"
@@ -316,7 +316,7 @@ class Viewer(KnownAttributes):
 
         It is rendered by a page that shows the viewer, else by Chromium or Chrome, else by numpy.
         """
-        self.look()
+        self.refresh()
         png = self._cell.picture(size)
         picture = screenshot(self.scene, size=size) if png is None else Picture(png, "page")
         if path is not None:
@@ -338,7 +338,7 @@ class Viewer(KnownAttributes):
         Args:
             seconds: The length [s] of robot time before now that the copy can play.
         """
-        self.look()
+        self.refresh()
         return self._cell.resting_view(self.scene_recording, seconds)
 
     def replay(self, seconds: float = 5.0) -> "RestingView":
@@ -347,7 +347,7 @@ class Viewer(KnownAttributes):
         Args:
             seconds: The length [s] of robot time before now that it plays.
         """
-        self.look()
+        self.refresh()
         self.session.show_all(self.scene_recording.scenes(seconds))
         return self._cell.resting_view(self.scene_recording, seconds, plays=True)
 
@@ -372,14 +372,14 @@ class Viewer(KnownAttributes):
         Raises:
             CourseError: The port is in use, or the hub has no jupyter-server-proxy.
         """
-        self.look()
+        self.refresh()
         url = self._cell.open_page(port, token)
         announce("The viewer", url, browser=browser)
         return url
 
     def summary(self) -> str:
         """Describe in words the drawn objects, their positions in the fixed frame, and the statuses."""
-        self.look()
+        self.refresh()
         return self.session.summary()
 
     def on_click(self, callback: Callable[[Click], None]) -> Callable[[Click], None]:
@@ -395,7 +395,7 @@ class Viewer(KnownAttributes):
         """
         return await self._cell.next_click()
 
-    def look(self) -> None:
+    def refresh(self) -> None:
         """Bring the scene up to date at the current robot time."""
         self.session.context.show()
         self.session.update(self._graph.now_ns, is_opened=True)
@@ -405,5 +405,5 @@ class Viewer(KnownAttributes):
         self._end()
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-        self.look()
+        self.refresh()
         return self._cell.mime_bundle(self, **kwargs)

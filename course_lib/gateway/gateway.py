@@ -85,9 +85,9 @@ def access_control(students: Sequence[str], calls: Sequence[str], domain: int) -
     """
     subjects: list[dict[str, Any]] = [{"id": name, "usernames": [name]} for name in (ROBOT, *students)]
     subjects.append({"id": INNER, "link_protocols": [INNER]})
-    common = ["look", "hear", "ask", "listen", "others"]
+    common = ["discover", "receive", "query", "list servers", "other domains"]
     policies: list[dict[str, Any]] = [
-        {"rules": ["look", "robot", "asked", "heard"], "subjects": [ROBOT, INNER]},
+        {"rules": ["discover", "robot", "queried", "listed"], "subjects": [ROBOT, INNER]},
         *({"rules": [*common, f"own {name}"], "subjects": [name]} for name in students),
     ]
     # The caches of publishers.
@@ -105,15 +105,15 @@ def access_control(students: Sequence[str], calls: Sequence[str], domain: int) -
         "enabled": True,
         "default_permission": "deny",
         "rules": [
-            _rule("look", ["ingress", "egress"], LOOK, EVERYWHERE),
-            _rule("hear", ["egress"], MESSAGES, EVERYWHERE),
-            _rule("ask", ["ingress"], ["query"], questions),
-            _rule("listen", ["ingress"], ["liveliness_token"], listeners),
-            _rule("others", ["ingress"], MESSAGES, other_domains),
+            _rule("discover", ["ingress", "egress"], LOOK, EVERYWHERE),
+            _rule("receive", ["egress"], MESSAGES, EVERYWHERE),
+            _rule("query", ["ingress"], ["query"], questions),
+            _rule("list servers", ["ingress"], ["liveliness_token"], listeners),
+            _rule("other domains", ["ingress"], MESSAGES, other_domains),
             *(_rule(f"own {name}", ["ingress"], MESSAGES, _student_keys(domain, name)) for name in students),
             _rule("robot", ["ingress"], MESSAGES, EVERYWHERE),
-            _rule("asked", ["egress"], ["query"], questions),
-            _rule("heard", ["egress"], ["liveliness_token"], listeners),
+            _rule("queried", ["egress"], ["query"], questions),
+            _rule("listed", ["egress"], ["liveliness_token"], listeners),
         ],
         "subjects": subjects,
         "policies": policies,
@@ -424,7 +424,7 @@ class Gateway:
             self.robot_side.liveliness().declare_token(self._node.token),
             *(
                 self.class_side.declare_subscriber(
-                    f"{settings.domain}/{STUDENTS}/*/{topic}/*/*", self._handlers.direct(self._on_command)
+                    f"{settings.domain}/{STUDENTS}/*/{topic}/*/*", self._handlers.wrap(self._on_command)
                 )
                 for topic in settings.sends
             ),

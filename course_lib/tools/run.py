@@ -13,7 +13,7 @@ from course_lib.ros.programs import import_path
 from course_lib.ros.programs.process import FunctionProcess
 from course_lib.ros.programs.program import run_files
 from course_lib.ros.time.pace import WallPace
-from course_lib.ros.time.time_lock import AtEnd, time_lock
+from course_lib.ros.time.time_lock import EndBehavior, time_lock
 
 if TYPE_CHECKING:
     from course_lib.ros.robot.connect import RobotAddress
@@ -199,7 +199,7 @@ def run_with_tool(
 
     with use_graph(graph):
         # At the limit the tool returns, so that a verb can report missing messages.
-        tool_process = FunctionProcess("ros2", run_tool, (), at_end=AtEnd.RETURN)
+        tool_process = FunctionProcess("ros2", run_tool, (), at_end=EndBehavior.RETURN)
         code = run_files(files, seed=0, extra_processes=[tool_process], kit_executables=_KitExecutables())
     graph.close()
     if errors:

@@ -71,7 +71,7 @@ class Kit:
         while time.monotonic() < end:
             self.graph.advance()
             if time.monotonic() >= look:
-                self._viewer.look()
+                self._viewer.refresh()
                 look = time.monotonic() + LOOK
 
 

@@ -54,7 +54,7 @@ def test_frozen_view_with_a_large_recording_plays_with_fewer_frames(
         points = [Point(x=x, y=y, z=z) for x, y, z in chance.random((400, 3)).tolist()]
         publish(graph, "/m", marker(Marker.POINTS, points=points))
         wait(graph, 0.1)
-        viewer.look()
+        viewer.refresh()
     scenes = Scenes("week09", tmp_path, "_scenes")
     shown = scenes.add_resting_view(viewer.freeze())
     scenes.write()

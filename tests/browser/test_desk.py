@@ -86,7 +86,7 @@ def test_fixed_frame_is_edited_with_suggestions(bench: Bench) -> None:
 
 def test_displays_are_added_by_topic_of_the_running_graph_and_by_type(bench: Bench) -> None:
     publish(bench.graph, "/others", marker())
-    bench.viewer.look()
+    bench.viewer.refresh()
     bench.open()
     before = len(bench.viewer.displays)
     bench.press("Add a display")
@@ -239,7 +239,7 @@ def test_expand_property_overrides_rows_that_were_expanded_or_collapsed_before(b
     bench.viewer.add("RobotModel", topic="/description")
     publish(bench.graph, "/description", String(data=ARM.format(arm=CYLINDER)), LATCHED)
     bench.viewer["RobotModel"]["Link Tree Style"] = "Tree of links and joints"
-    bench.viewer.look()
+    bench.viewer.refresh()
     bench.open("RobotModel", "Link/Joint Tree")
     bench.row("base").press("ArrowRight")
     bench.row("base").press("ArrowLeft")
@@ -281,14 +281,14 @@ RECORD_WRITES = """() => {
     for (const tree of document.querySelectorAll(".course-tree")) observer.observe(tree, everything); }"""
 
 
-def test_update_of_panels_writes_only_what_has_changed(bench: Bench) -> None:
+def test_panel_update_writes_only_changed_elements(bench: Bench) -> None:
     publish(bench.graph, "/m", marker())
-    bench.viewer.look()
+    bench.viewer.refresh()
     bench.open("Marker", "Status: Hint")
     bench.row("Topic").filter(has_text="2 messages received").wait_for()
     bench.page.evaluate(RECORD_WRITES)
     publish(bench.graph, "/m", marker())
-    bench.viewer.look()
+    bench.viewer.refresh()
     bench.widget.link.receive({"type": "desk", "act": "LookAgain"})
     bench.host.carry()
     assert bench.page.evaluate("() => written") == ["<span>3 messages received at inf hz.</span>"]

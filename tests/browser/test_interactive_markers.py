@@ -60,7 +60,7 @@ class Server:
 
     def spin(self, seconds: float = 0.1) -> None:
         spin_for(seconds, self.node)
-        self.bench.viewer.look()
+        self.bench.viewer.refresh()
         self.bench.widget.flush()
         self.bench.host.carry()
 

@@ -26,7 +26,7 @@ def show_green_then_red(bench: Bench) -> None:
     for color in ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0)):
         publish(bench.graph, "/m", cube(color))
         wait(bench.graph, 1.0)
-        bench.viewer.look()
+        bench.viewer.refresh()
     bench.host.hide()
 
 
@@ -38,7 +38,7 @@ def test_frozen_view_keeps_its_image_and_plays_earlier_frames(bench: Bench) -> N
     host.open(view)
     host.show(view, 780)
     publish(graph, "/m", cube((0.0, 1.0, 0.0)))
-    viewer.look()
+    viewer.refresh()
     host.carry()
     assert count(host.pixels(), RED) > 1000
     assert count(host.pixels(), GREEN) == 0

@@ -58,7 +58,7 @@ def test_time_panel_updates_with_robot_time(bench: Bench) -> None:
     bench.graph.advance()
 
     def is_read() -> bool:
-        bench.viewer.look()
+        bench.viewer.refresh()
         bench.host.carry()
         return "ROS Elapsed: 2.50" in bench.page.locator(READING).inner_text()
 

@@ -23,5 +23,5 @@ def wait(graph: Graph, seconds: float) -> None:
 
 
 def visible_nodes(viewer: Viewer) -> set[str]:
-    viewer.look()
+    viewer.refresh()
     return {path.split("/")[1] for path in viewer.scene.objects() if viewer.scene.is_visible(path)}

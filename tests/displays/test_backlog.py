@@ -138,7 +138,7 @@ def test_recorded_frames_have_the_arrival_times_of_messages(graph: Graph) -> Non
         publish(graph, "/m", marker(number=number))
         wait(graph, 1.0)
     for viewer in viewers:
-        viewer.look()
+        viewer.refresh()
     times = [[round(part.time, 6) for part in viewer.scene_recording._frames.frames()] for viewer in viewers]
     assert len(times[0]) > 3
     assert times[0] == times[1]

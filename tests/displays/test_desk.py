@@ -53,7 +53,7 @@ def viewer(graph: Graph) -> Viewer:
     viewer = Viewer()
     viewer.add("Marker", topic="/m")
     publish(graph, "/m", marker())
-    viewer.look()
+    viewer.refresh()
     return viewer
 
 

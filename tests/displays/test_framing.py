@@ -40,7 +40,7 @@ def is_in_picture(camera: Camera, *points: tuple[float, float, float]) -> bool:
 
 def view_of(viewer: Viewer) -> tuple[Any, Any]:
     """Return distance and focal point, as they are shown in a cell."""
-    viewer.look()
+    viewer.refresh()
     return viewer.view["Distance"], viewer.view["Focal Point"]
 
 
@@ -84,7 +84,7 @@ SETTERS: dict[str, Callable[[Viewer], object]] = {
 
 @pytest.mark.parametrize("setter", SETTERS)
 def test_view_that_was_set_is_not_moved(graph: Graph, viewer: Viewer, setter: str) -> None:
-    viewer.look()
+    viewer.refresh()
     SETTERS[setter](viewer)
     before = viewer.camera
     publish(graph, "/m", cube_at(40.0))
@@ -127,7 +127,7 @@ def test_motion_out_of_the_picture_moves_the_view_only_when_it_is_opened(
         publish(graph, "/m", cube_at(x))
         viewer.session.update(graph.now_ns)
     assert (viewer.view["Distance"], viewer.view["Focal Point"]) == before
-    viewer.look()
+    viewer.refresh()
     assert is_in_picture(viewer.camera, (40.0, 0.0, 0.5), (0, 0, 0))
 
 

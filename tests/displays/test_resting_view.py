@@ -18,7 +18,7 @@ def test_frozen_view_keeps_its_image_and_statuses_while_the_viewer_continues(gra
     viewer.add("Marker", topic="/m")
     view = viewer.freeze()
     publish(graph, "/m", marker())
-    viewer.look()
+    viewer.refresh()
     assert "displays/Marker/drawn" not in "".join(view.scene.objects())
     assert len(viewer.scene.objects()) > len(view.scene.objects())
     data, metadata = view._repr_mimebundle_()
@@ -48,7 +48,7 @@ def test_frozen_view_has_a_recording_of_the_last_seconds(graph: Graph) -> None:
     for x in range(4):
         publish(graph, "/m", marker(pose=at(float(x))))
         wait(graph, 1.0)
-        viewer.look()
+        viewer.refresh()
     assert decoded(viewer.freeze(1.5).recording)["end"] == 1.5
     assert decoded(viewer.freeze(100.0).recording)["end"] == 4.0
     viewer.close()
@@ -62,10 +62,10 @@ def test_recording_of_a_frozen_view_can_be_saved_with_fewer_frames_while_the_vie
     for x in range(8):
         publish(graph, "/m", marker(pose=at(float(x))))
         wait(graph, 0.5)
-        viewer.look()
+        viewer.refresh()
     view = viewer.freeze(3.0)
     wait(graph, 1.0)
-    viewer.look()
+    viewer.refresh()
     few, all_of_them = decoded(view.pack(1.0)), decoded(view.recording)
     assert (few["start"], few["end"]) == (all_of_them["start"], all_of_them["end"])
     assert 1 < len(few["batches"]) < len(all_of_them["batches"])
@@ -101,13 +101,13 @@ def test_reset_discards_drawings_and_keeps_the_displays(graph: Graph) -> None:
     viewer = Viewer()
     viewer.add("Marker", topic="/m")
     publish(graph, "/m", marker())
-    viewer.look()
+    viewer.refresh()
     assert "displays/Marker/" in "".join(viewer.scene.objects())
     viewer.reset()
     assert "displays/Marker/" not in "".join(viewer.scene.objects())
     assert [display.name for display in viewer.displays] == ["Grid", "Marker"]
     publish(graph, "/m", marker())
-    viewer.look()
+    viewer.refresh()
     assert "displays/Marker/" in "".join(viewer.scene.objects())
     viewer.close()
 
@@ -117,7 +117,7 @@ def test_reset_discards_messages_that_were_not_yet_drawn(graph: Graph) -> None:
     viewer.add("Marker", topic="/m")
     publish(graph, "/m", marker())
     viewer.reset()
-    viewer.look()
+    viewer.refresh()
     assert list(viewer.scene.objects()) == ["displays/Grid/drawing"]
     viewer.close()
 
@@ -125,11 +125,11 @@ def test_reset_discards_messages_that_were_not_yet_drawn(graph: Graph) -> None:
 def test_replay_after_a_reset_always_shows_the_grid(graph: Graph) -> None:
     viewer = Viewer()
     viewer.add("Marker", topic="/m")
-    viewer.look()
+    viewer.refresh()
     viewer.reset()
     wait(graph, 1.0)
     publish(graph, "/m", marker())
-    viewer.look()
+    viewer.refresh()
     scenes = viewer.scene_recording.scenes(1.0)
     is_drawn = ["displays/Grid/drawing" in scene.objects() for scene in scenes]
     assert is_drawn

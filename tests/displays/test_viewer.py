@@ -270,7 +270,7 @@ def test_robot_in_its_rest_pose_stands_on_its_feet(graph: Graph) -> None:
     assert [round(float(foot[2, 3]), 2) for foot in feet] == [0.11, 0.11]  # [m] the ankle's height
 
 
-def test_shown_robot_follows_a_frame_and_is_hidden_while_tf2_does_not_know_it(graph: Graph) -> None:
+def test_shown_robot_follows_a_frame_and_is_hidden_while_its_frame_is_unknown(graph: Graph) -> None:
     viewer = Viewer(fixed_frame="map")
     viewer.show_robot(simple_painter(), frame="base_link", at=(0.0, 0.0, 0.5))
     path = "robots/painter"
@@ -279,7 +279,7 @@ def test_shown_robot_follows_a_frame_and_is_hidden_while_tf2_does_not_know_it(gr
     message.header.frame_id, message.transform.translation.x = "map", 2.0
     message.transform.rotation.w = 1.0
     publish(graph, "/tf_static", TFMessage(transforms=[message]), LATCHED)
-    viewer.look()
+    viewer.refresh()
     assert viewer.scene.is_visible(path)
     assert viewer.scene.world_transform(path)[:3, 3].tolist() == [2.0, 0.0, 0.5]
 
@@ -318,14 +318,14 @@ def test_statuses_are_returned_as_a_table(graph: Graph) -> None:
 
 def test_meshcat_code_draws_into_the_viewer_and_can_move_its_camera(graph: Graph) -> None:
     viewer = Viewer()
-    viewer.look()
+    viewer.refresh()
     viewer.meshcat["box"].set_object(meshcat.geometry.Box([1, 1, 1]))
     viewer.meshcat.set_cam_pos([1.0, 2.0, 3.0])
-    viewer.look()
+    viewer.refresh()
     assert "meshcat/box" in viewer.scene.objects()
     assert viewer.scene.camera.eye == (1.0, 2.0, 3.0)
     viewer.view["Distance"] = 4.0
-    viewer.look()
+    viewer.refresh()
     assert viewer.scene.camera.eye != (1.0, 2.0, 3.0)
 
 
@@ -399,7 +399,7 @@ def test_look_is_saved_in_the_layout_and_the_default_look_of_rviz_is_not(
 def test_look_is_kept_in_recordings_and_copies(graph: Graph) -> None:
     viewer = Viewer()
     viewer.options["Look"] = "Studio"
-    viewer.look()
+    viewer.refresh()
     assert viewer.scene_recording.scene.look == "Studio"
     assert encoding.scene_batch(viewer.scene_recording.scene)["commands"][0]["look"] == "Studio"
 

@@ -89,7 +89,7 @@ class View:
 
         def drawn() -> bool:
             self._robot.publish(self._marker, serialize(marker))
-            self._viewer.look()
+            self._viewer.refresh()
             return any(f"new/{self._number}" in name for name in self._viewer.scene.objects())
 
         self.until(drawn, f"marker {self._number}")

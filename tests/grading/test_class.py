@@ -185,7 +185,7 @@ HIDDEN = {"week01.half": (
 """
 
 
-def test_check_that_crashes_on_one_submission_is_named_and_the_class_is_graded(
+def test_check_that_crashes_on_one_submission_is_reported_and_the_class_is_graded(
     course: Course,
     right: str,
     tmp_path: Path,
@@ -205,7 +205,7 @@ def test_check_that_crashes_on_one_submission_is_named_and_the_class_is_graded(
 
 
 @pytest.mark.skipif(not CAN_FORK, reason="a crash is only found in a fork")
-def test_check_that_crashes_on_the_solution_is_named_before_grading(
+def test_check_that_crashes_on_the_solution_is_reported_before_grading(
     course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
 ) -> None:
     (course.solutions / "checks/week01.py").write_text(CRASH.replace("WHERE", "0"))

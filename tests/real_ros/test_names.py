@@ -153,7 +153,7 @@ def _find(name: str, *default: object) -> Any:
         return getattr(_find(owner, *default), attribute, *default)
 
 
-def test_parameters_of_each_public_callable_are_those_of_rclpy(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_parameters_of_public_callables_agree_with_rclpy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(HERE / "probes")
     parameters = importlib.import_module("signatures").parameters
     found = {name: text for name, text in _frozen_list("signatures").items() if _is_in_kit(name)}
@@ -178,7 +178,7 @@ def test_public_names_of_launch_and_tf2_ros_missing_in_the_kit_are_listed() -> N
     assert {name for name in listed if _find(name, None) is not None} == set()
 
 
-def test_parameters_of_public_callables_of_launch_and_tf2_ros_are_those_of_ros(
+def test_parameters_of_public_callables_of_launch_and_tf2_ros_agree_with_ros(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.syspath_prepend(HERE / "probes")

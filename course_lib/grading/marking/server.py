@@ -237,7 +237,7 @@ class PageFileHandler(_MarkingHandler):
 
 
 class _JsonHandler(_MarkingHandler):
-    async def answer(self, call: Callable[[], Any]) -> None:
+    async def respond(self, call: Callable[[], Any]) -> None:
         """Call a function in a thread, and respond with its plain data or its error message."""
         try:
             content, code = await asyncio.get_running_loop().run_in_executor(None, call), 200
@@ -270,7 +270,7 @@ class QueueHandler(_JsonHandler):
             others, state = self.open_items(), self.desk.report_updater.state
             return self.desk.queue.changes_since(int(text)) | {"others": others, "state": state}
 
-        await self.answer(changes)
+        await self.respond(changes)
 
 
 class ItemHandler(_JsonHandler):
@@ -278,7 +278,7 @@ class ItemHandler(_JsonHandler):
 
     async def get(self, _: str, key: str) -> None:
         """Respond with the item's code, rubric and marks, and record it as open in this page."""
-        await self.answer(lambda: self.desk.details(key) | {"others": self.open_items(key)})
+        await self.respond(lambda: self.desk.details(key) | {"others": self.open_items(key)})
 
     async def post(self, _: str, key: str) -> None:
         """Save marks, and respond when they are on the disk."""
@@ -292,7 +292,7 @@ class ItemHandler(_JsonHandler):
             self.desk.queue.save(key, request.given, request.by, request.revision)
             return self.desk.queue.details(key)
 
-        await self.answer(save)
+        await self.respond(save)
         if self.get_status() == 200:
             self.desk.report_updater.schedule_update()
 

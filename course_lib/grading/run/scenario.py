@@ -31,7 +31,7 @@ from course_lib.ros.messages import deserialize, message_class, serialize
 from course_lib.ros.programs import import_path
 from course_lib.ros.programs.program import seed_generators
 from course_lib.ros.time import virtual_time
-from course_lib.ros.time.time_lock import AtEnd, ShutDown, StoppedThread, time_lock
+from course_lib.ros.time.time_lock import EndBehavior, ShutDown, StoppedThread, time_lock
 from course_lib.ros.tracebacks import line_of_thread, loop_of_traceback
 
 INPUT_NODE = "scenario"
@@ -124,7 +124,7 @@ class ScenarioGraph:
             personal=self._personal,
         )
 
-    def keep(self, size: int) -> None:
+    def count_bytes(self, size: int) -> None:
         """Count further bytes of evidence.
 
         Raises:
@@ -164,7 +164,7 @@ class ScenarioGraph:
         # /rosout contains file names, which differ from process to process for cells.
         if sample.node != self._input_node and sample.topic not in OWN_TOPICS:
             limit_size = self._images.limit_size(sample)
-            self.keep(len(limit_size.cdr) + SAMPLE_BYTES)
+            self.count_bytes(len(limit_size.cdr) + SAMPLE_BYTES)
             self._samples.append(limit_size)
 
 
@@ -245,7 +245,7 @@ def perform(part: Instructions, subject: Any, graph: Graph, outcome: Outcome) ->
     with time_lock.hold(), use_graph(graph), seed_generators(part.seed):
         for action in _actions(part, subject, outcome):
             try:
-                with time_lock.at_end(AtEnd.INTERRUPT):
+                with time_lock.at_end(EndBehavior.INTERRUPT):
                     action()
             except BaseException as error:
                 # Student code may raise any exception, including SystemExit.

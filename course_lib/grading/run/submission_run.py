@@ -447,7 +447,7 @@ def _drive(channel: remote.Channel, stage: ScenarioGraph, room: remote.Recording
         case ["result", list(returns), list(errors)] if is_plain(returns):
             match channel.receive():
                 case ["exit", int(), float(seconds)] if 0 <= seconds <= MOST_CPU:
-                    stage.keep(size_of(returns))
+                    stage.count_bytes(size_of(returns))
                     return Outcome(returns, _limit_texts(errors), seconds)
             raise remote.ChannelError("the worker sent more data after the result")
         case ["exit", int(), float()]:

@@ -16,8 +16,8 @@ from course_lib.ros.graph.graph import ProgramNodes, current_graph, program
 from course_lib.ros.programs.packages import python_package, python_path, source
 from course_lib.ros.syntax_hints import syntax_hint
 from course_lib.ros.time.time_lock import (
-    AtEnd,
     DeadlockError,
+    EndBehavior,
     ShutDown,
     StoppedProgram,
     StoppedThread,
@@ -37,7 +37,7 @@ INTERRUPTED = 130
 class Process:
     """A program, started like a file. `args` follow its name in `sys.argv`."""
 
-    at_end = AtEnd.INTERRUPT
+    at_end = EndBehavior.INTERRUPT
 
     def __init__(self, file: Path, args: Sequence[str] = ()) -> None:
         self.file = file
@@ -97,7 +97,7 @@ class FunctionProcess(Process):
         function: Callable[[], object],
         args: Sequence[str],
         *,
-        at_end: AtEnd = AtEnd.INTERRUPT,
+        at_end: EndBehavior = EndBehavior.INTERRUPT,
     ) -> None:
         super().__init__(Path(name), args)
         self._function = function
@@ -267,7 +267,7 @@ class NotebookProgram(Process):
     """The code cells of a notebook of format 4, run in order until one fails."""
 
     # Later cells examine the results of earlier ones.
-    at_end = AtEnd.RETURN
+    at_end = EndBehavior.RETURN
 
     def __init__(self, file: Path) -> None:
         super().__init__(file)

@@ -32,7 +32,7 @@ WAITS_AFTER_THE_END = 200
 SLEEPS_AFTER_THE_END = 100
 
 
-class AtEnd(Enum):
+class EndBehavior(Enum):
     """The effect of the end of a run on a waiting thread."""
 
     # For cells, tests and tools: the wait returns.
@@ -113,7 +113,7 @@ class ProgramThread:
         self.describe_unmet: Callable[[], str] | None = None
         # Whether the thread is in a wait for that condition.
         self.is_polling = False
-        self.at_end = AtEnd.RETURN
+        self.at_end = EndBehavior.RETURN
         # Signal handlers that the thread's program has set.
         self.handlers: dict[int, Any] = {}
         self.waits_after_end = 0
@@ -129,17 +129,18 @@ class ProgramThread:
         """
         self.waits_after_end += 1
         self.sleeps_after_end += sleeps
-        if self.at_end is AtEnd.INTERRUPT and self.waits_after_end == 1:
+        if self.at_end is EndBehavior.INTERRUPT and self.waits_after_end == 1:
             self.interrupt()
             return
-        sleeps_left = 1 if self.at_end is AtEnd.SHUT_DOWN else SLEEPS_AFTER_THE_END
+        sleeps_left = 1 if self.at_end is EndBehavior.SHUT_DOWN else SLEEPS_AFTER_THE_END
         if (
-            self.at_end is AtEnd.STOP
+            self.at_end is EndBehavior.STOP
             or self.sleeps_after_end > sleeps_left
             or self.waits_after_end > WAITS_AFTER_THE_END
         ):
             # A main thread that catches the interrupt is ended by the next one.
-            interrupts = (self.is_main or self.at_end is AtEnd.INTERRUPT) and not self.is_stopped
+            is_ended = self.is_main or self.at_end is EndBehavior.INTERRUPT
+            interrupts = is_ended and not self.is_stopped
             self.is_stopped = True
             raise StoppedProgram if interrupts else StoppedThread
 
@@ -266,12 +267,12 @@ class TimeLock:
         """Create a thread's entry in the order of threads."""
         thread = ProgramThread(next(self._numbers), name=name, main=main, is_ordinary=is_ordinary)
         creator = self._threads.get(_thread.get_ident())
-        if creator is not None and creator.at_end is not AtEnd.RETURN:
-            thread.at_end = AtEnd.SHUT_DOWN
+        if creator is not None and creator.at_end is not EndBehavior.RETURN:
+            thread.at_end = EndBehavior.SHUT_DOWN
         return thread
 
     @contextmanager
-    def at_end(self, at_end: AtEnd) -> Iterator[None]:
+    def at_end(self, at_end: EndBehavior) -> Iterator[None]:
         """Set the effect of the run's end on the calling program thread, within a `with` block."""
         me = self._threads[_thread.get_ident()]
         previous, me.at_end = me.at_end, at_end
@@ -286,12 +287,12 @@ class TimeLock:
     def handlers(self) -> dict[int, Any] | None:
         """Return the signal handlers of the calling thread, if it is a program's main thread."""
         me = self._threads.get(_thread.get_ident())
-        return None if me is None or me.at_end is not AtEnd.INTERRUPT else me.handlers
+        return None if me is None or me.at_end is not EndBehavior.INTERRUPT else me.handlers
 
     def is_interrupted_by_end(self) -> bool:
         """Return whether the calling thread is in a program and the run's end interrupts it."""
         me = self._threads.get(_thread.get_ident())
-        return me is not None and me.at_end is not AtEnd.RETURN
+        return me is not None and me.at_end is not EndBehavior.RETURN
 
     def is_shut_down(self) -> bool:
         """Return whether the run has ended and the calling thread belongs to a program."""

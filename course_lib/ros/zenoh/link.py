@@ -179,7 +179,7 @@ class Handlers:
     alive_count: int = 0
     _mutex: _thread.LockType = field(default_factory=_thread.allocate_lock)
 
-    def direct(
+    def wrap(
         self,
         function: Callable[[Any], None],
         on_end: Callable[[], None] | None = None,
@@ -234,8 +234,8 @@ def open_session(address: str, login: Login = NO_LOGIN) -> zenoh.Session:
     except zenoh.ZError as error:
         if login.name:
             raise CourseError(
-                f"No gateway lets {login.name} in at {address}. Does `course router` run there, is the "
-                "token the one that you were given, is this the right network?"
+                f"No gateway at {address} accepts the login of {login.name}. Does `course router` "
+                "run there, is the token complete, is this the right network?"
             ) from error
         raise CourseError(
             f"No Zenoh router answers at {address}. Does `ros2 run rmw_zenoh_cpp rmw_zenohd` run on "
@@ -497,7 +497,7 @@ class ZenohClient(NetworkClient):
                 enqueue(on_reply, None)
 
         attachment = encode_attachment(next(self._sequence), self._gid, wall.time_ns())
-        handler = self._link.handlers.direct(on_zenoh_reply, on_end)
+        handler = self._link.handlers.wrap(on_zenoh_reply, on_end)
         self._querier.get(handler, payload=cdr, attachment=attachment)
 
 
@@ -562,10 +562,10 @@ class ZenohLink(Link):
 
         liveliness = self._session.liveliness()
         tokens = f"{ADMIN}/{self.domain}/**"
-        liveliness.declare_subscriber(tokens, self.handlers.direct(on_token), history=True)
+        liveliness.declare_subscriber(tokens, self.handlers.wrap(on_token), history=True)
         if self._login.name:
             driver_report = self._driver_report = DriverReport(self._login, report)
-            liveliness.declare_subscriber(f"{GATEWAY}/*/*", self.handlers.direct(on_driver), history=True)
+            liveliness.declare_subscriber(f"{GATEWAY}/*/*", self.handlers.wrap(on_driver), history=True)
 
     def domains(self) -> list[int]:
         """List the domains with nodes."""
@@ -670,7 +670,7 @@ class ZenohLink(Link):
         subscriber = ext.declare_advanced_subscriber(
             self._session,
             key_expr_of(self.domain, topic, type_name, type_hash(type_name)),
-            self.handlers.direct(partial(self._on_sample, on_packet)),
+            self.handlers.wrap(partial(self._on_sample, on_packet)),
             allowed_origin=zenoh.Locality.REMOTE,
             **settings,
         )
@@ -695,7 +695,7 @@ class ZenohLink(Link):
 
             self.enqueue(on_request, bytes(query.payload or b""), send_reply)
 
-        handler = self.handlers.direct(on_query)
+        handler = self.handlers.wrap(on_query)
         queryable = self._session.declare_queryable(entity.key_expr, handler, complete=True)
         return Declaration(partial(self.undeclare, self._declare_token(entity), queryable))
 

@@ -67,7 +67,7 @@ class Stage:
 
     def place(self) -> list[float]:
         """Return the displayed position of the box."""
-        self.viewer.look()
+        self.viewer.refresh()
         path = "displays/InteractiveMarkers/handles/box/controls/button"
         at: list[float] = self.viewer.scene.world_transform(path)[:3, 3].round(6).tolist()
         return at

@@ -230,10 +230,10 @@ def test_lost_update_makes_the_client_request_the_markers_again(stage: Stage) ->
 
 def test_frame_without_motion_makes_no_scene_changes(stage: Stage) -> None:
     stage.show(box(C.MOVE_AXIS))
-    stage.viewer.look()
+    stage.viewer.refresh()
     changes: list[str] = []
     stage.viewer.scene.listen(lambda what, path: changes.append(f"{what} {path}"))
-    stage.viewer.look()
+    stage.viewer.refresh()
     assert changes == []
     stage.viewer.session.on_view_turn(Camera(eye=(0.0, 9.0, 4.0)))
     assert any(change.endswith("/title") for change in changes)

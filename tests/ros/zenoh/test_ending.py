@@ -32,7 +32,7 @@ def test_end_of_a_session_waits_for_a_running_handler(router: str) -> None:
         done.append("ended")
 
     session = open_session(router)
-    kept = session.declare_subscriber("a", handlers.direct(handle))
+    kept = session.declare_subscriber("a", handlers.wrap(handle))
     with open_session(router) as other:
 
         def begun() -> bool:

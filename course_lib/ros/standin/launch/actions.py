@@ -168,7 +168,7 @@ class ResetEnvironment(Action):
 
 
 class _PushOrPop(Action):
-    """Pushes one of the launch's states onto a stack, or restores the one that was pushed last."""
+    """Pushes a state of the launch onto a stack, or restores the last pushed state."""
 
     kind = ""
     is_pop = False

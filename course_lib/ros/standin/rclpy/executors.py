@@ -18,7 +18,7 @@ from course_lib.ros.mistakes import Mistake, mark, marked
 from course_lib.ros.notices import print_notice
 from course_lib.ros.time import pace
 from course_lib.ros.time.interrupts import until_interrupted, watch
-from course_lib.ros.time.time_lock import AtEnd, ShutDown, never, time_lock
+from course_lib.ros.time.time_lock import EndBehavior, ShutDown, never, time_lock
 from course_lib.ros.tracebacks import describe_interruption, explain_interrupts, line_of_traceback
 from rclpy.context import Context, Contexts, get_default_context
 from rclpy.exceptions import NotInitializedException
@@ -675,7 +675,7 @@ class MultiThreadedExecutor(Executor):
         threading.Thread(target=self.__work, args=(task,), name="callback", daemon=True).start()
 
     def __work(self, task: Task) -> None:
-        with time_lock.hold(), time_lock.at_end(AtEnd.STOP):
+        with time_lock.hold(), time_lock.at_end(EndBehavior.STOP):
             try:
                 super()._course_execute(task)
             # The spinning thread raises the exception later.
