@@ -132,9 +132,13 @@ def connect(
         call: Services and actions that may be called.
 
     Raises:
-        CourseError: Nodes or viewers already exist, the notebook is already linked, or the robot
-            cannot be reached.
+        CourseError: `send` or `call` is a string, nodes or viewers already exist, the notebook is
+            already linked, or the robot cannot be reached.
     """
+    for name, value in (("send", send), ("call", call)):
+        # A string is a sequence of its letters, each of which would be allowed as a topic.
+        if isinstance(value, str):
+            raise CourseError(f"{name}={value!r} is a string, and a list is expected: {name}=[{value!r}]")
     # Not at the top, because driving imports rclpy, which a command that only links does without.
     from course_lib.ros.time.driving import drive_between_cells
 

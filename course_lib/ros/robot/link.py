@@ -345,8 +345,8 @@ def silence_message(address: str, domain: int, error: int) -> str:
     if error == errno.ECONNREFUSED:
         return (
             f"{start} The computer is there, but no ROS 2 program has opened a port of this "
-            "domain: start one, or pass its domain (ROS_DOMAIN_ID on the robot, --domain here). A "
-            "firewall that rejects UDP looks the same."
+            "domain: start one, or pass its ROS_DOMAIN_ID, like domain=42 (in a terminal --domain "
+            "42). A firewall that rejects UDP looks the same."
         )
     return (
         f"{start} Is the robot on, does a ROS 2 program run there in this domain (ROS_DOMAIN_ID), "

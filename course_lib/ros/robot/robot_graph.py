@@ -716,14 +716,23 @@ class RobotGraph(Graph):
             self._check_qos(entity.topic)
 
     def _check_qos(self, topic: str) -> None:
-        """Warn about pairs over the link whose QoS is incompatible."""
+        """Warn about pairs over the link whose types differ or whose QoS is incompatible."""
         infos = self._topics.endpoints_on(topic)
         for publisher in (info for info in infos if info.kind == "pub"):
             for subscription in (info for info in infos if info.kind == "sub"):
-                policy = find_incompatible_policy(publisher.qos, subscription.qos)
-                if policy is None or not self._is_over_link(publisher, subscription):
+                if not self._is_over_link(publisher, subscription):
                     continue
                 nodes = [self._nodes[info.node].full_name for info in (publisher, subscription)]
+                if publisher.type_name != subscription.type_name:
+                    line = (
+                        f"{topic}: {nodes[0]} publishes {publisher.type_name}, and {nodes[1]} subscribes "
+                        f"to {subscription.type_name}, so no message arrives. Use the robot's type."
+                    )
+                    self._report_once(f"type {topic} {publisher.type_name} {subscription.type_name}", line)
+                    continue
+                policy = find_incompatible_policy(publisher.qos, subscription.qos)
+                if policy is None:
+                    continue
                 line = qos_warning(topic, policy, *nodes, is_enforced=self.link.is_qos_enforced)
                 # Each node of the kit is reported once, even if the robot's node restarts.
                 own_node = nodes[subscription.node in self._own_nodes]

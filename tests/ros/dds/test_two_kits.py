@@ -282,6 +282,19 @@ def test_incompatible_qos_is_reported_for_each_node_and_nothing_is_delivered(kit
     assert (len(kits.lines), received) == (3, [])
 
 
+def test_publisher_of_another_type_than_the_robots_subscription_is_reported(kits: DdsKits) -> None:
+    robot, student = kits.join(send="/cmd"), kits.join(send="/cmd")
+    talker(robot, "/other")
+    node = robot.add_node("base", "/")
+    robot.add_subscription(node, 0, "/cmd", "std_msgs/msg/Bool", VOLATILE, lambda *_: None)
+    talker(student, "/cmd")
+    line = (
+        "/cmd: /talker publishes std_msgs/msg/String, and /base subscribes to std_msgs/msg/Bool, so no "
+        "message arrives. Use the robot's type."
+    )
+    kits.until(lambda: line in kits.lines, line)
+
+
 def test_events_of_a_subscription_include_remote_publishers_that_join_and_leave(
     kits: DdsKits, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -246,6 +246,12 @@ def test_notice_of_a_withheld_topic_includes_the_option_that_allows_it(notebook:
     assert lines[0].endswith(end)
 
 
+@pytest.mark.parametrize("name", ["send", "call"])
+def test_string_instead_of_a_list_of_topics_is_rejected(name: str) -> None:
+    with pytest.raises(CourseError, match=rf"{name}='/cmd_vel' is a string, .*: {name}=\['/cmd_vel'\]"):
+        connect("tcp/127.0.0.1:1", **{name: "/cmd_vel"})
+
+
 def test_notebook_with_nodes_cannot_be_connected(router: str) -> None:
     graph = Graph(notebook=True)
     graph.add_node("mine", "/")
