@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -248,8 +249,9 @@ def test_notice_of_a_withheld_topic_includes_the_option_that_allows_it(notebook:
 
 @pytest.mark.parametrize("name", ["send", "call"])
 def test_string_instead_of_a_list_of_topics_is_rejected(name: str) -> None:
+    allowed: dict[str, Any] = {name: "/cmd_vel"}
     with pytest.raises(CourseError, match=rf"{name}='/cmd_vel' is a string, .*: {name}=\['/cmd_vel'\]"):
-        connect("tcp/127.0.0.1:1", **{name: "/cmd_vel"})
+        connect("tcp/127.0.0.1:1", **allowed)
 
 
 def test_notebook_with_nodes_cannot_be_connected(router: str) -> None:
