@@ -292,7 +292,14 @@ def grade(
     if out.resolve().is_relative_to(submissions.resolve()):
         reason = "its results would be submissions of the next grading"
         raise CourseError(f"{out} is inside {submissions}: {reason}. Choose another folder: --out DIR")
-    course = course or store.this_course()
+    if course is None:
+        course, here = store.this_course(), Path("exercises/course.toml")
+        if here.is_file() and here.parent.resolve() != course.exercises.resolve():
+            # Both have a week 1: all submissions of this one would get no points there.
+            print_line(
+                f"warning: graded by the course in {course.exercises.parent}, which is installed, not by "
+                f"the one in this folder, {Path.cwd()}. If that is wrong, type here: pip install -e ."
+            )
     course = replace(course, sandbox=need, private_folders=(submissions, out))
     found_submissions = _find(submissions, course)
     line = plan_attempts(found_submissions, course, only)

@@ -209,6 +209,25 @@ def test_broken_check_scores_zero_and_is_reported_to_staff_only(
     assert message.endswith("now 110, graded")
 
 
+def test_folder_of_another_course_than_the_installed_one_is_reported(
+    course: Course,
+    hand_in: Callable[..., Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    submissions = hand_in({"ada": "x = 1"})
+    for folder, is_reported in ((course.exercises.parent, False), (tmp_path / "other", True)):
+        (folder / "exercises").mkdir(parents=True, exist_ok=True)
+        (folder / "exercises/course.toml").touch()
+        monkeypatch.chdir(folder)
+        monkeypatch.setattr("course_lib.grading.store.this_course", lambda: course)
+        with pytest.raises(CourseError, match="matches no submission"):
+            grade(submissions, tmp_path / "out", only="nobody/*")
+        shown = f"warning: graded by the course in {course.exercises.parent}, which is installed"
+        assert (shown in capsys.readouterr().out) == is_reported
+
+
 def test_selection_pattern_without_matches_is_rejected(
     course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
 ) -> None:
