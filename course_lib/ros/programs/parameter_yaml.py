@@ -61,6 +61,39 @@ def read_value(text: str) -> Any:
     return _value(documents[0] if documents else None)
 
 
+def read_argument(text: str) -> Any:
+    """Parse the value of `-p`. Unlike `read_value` it accepts lists in a list, as rcl does."""
+    node = next(iter(_documents(text)), None)
+    return _last_list(node, {}) if isinstance(node, yaml.SequenceNode) else read_value(text)
+
+
+def _last_list(sequence: yaml.SequenceNode, values: dict[tuple[bool, type], Any]) -> Any:
+    """Return the value of a list that may contain lists, as rcl reads it for `-p`.
+
+    rcl begins a new list at each bracket that opens, and none is open behind one that closes. Of
+    each type it keeps the last value, and returns the first of these types: bool, int, float, str.
+
+    Args:
+        sequence: The list.
+        values: Receives the last values, by whether they are lists, and their type.
+    """
+    items: list[Any] | None = []
+    for node in sequence.value:
+        if isinstance(node, yaml.SequenceNode):
+            _last_list(node, values)
+            items = None
+        elif items is None:
+            value = _value(node)
+            values[False, type(value)] = value
+        else:
+            items.append(node)
+            part = yaml.SequenceNode(sequence.tag, items, sequence.start_mark)
+            value = _value(part)
+            values[True, type(value[0])] = value
+    order = [(is_list, kind) for is_list in (False, True) for kind in _TYPE_NAMES]
+    return next((values[key] for key in order if key in values), [])
+
+
 def _documents(text: str) -> list[Any]:
     try:
         depth = 0

@@ -4,7 +4,8 @@
 from tempfile import NamedTemporaryFile
 from typing import Any
 
-from probing import main, outcome, probe
+from probing import lines, main, outcome, probe
+from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -47,6 +48,28 @@ def slashes_and_tabs_in_a_file_of_parameters() -> dict[str, str]:
     texts |= {f"{ns} {name}": f"{ns}:\n {name}:\n  {parameters}" for ns, name in INNER}
     texts["tabs"] = "n:\n  ros__parameters:\t\n    a: 1\t# one\n    b:\t2\n"
     return {name: outcome(_values, text).partition(":")[0] for name, text in texts.items()}
+
+
+NESTED = """
+    [[1],[2]] [[1],[2,3]] [[1,2]] [[[1]],[2]] [[1],[a]] [[],[1]] [[1],[]] [[1],2] [1,[2]] [[[1],[2]]]
+    [[1.5],[x,2]] [[1],[2,a]] [[1],[[2]],[3]] [[]] [[1],[true,false]] [[1],[2],a] [[a],[1.5]] [a,[1],b]
+"""
+
+
+def _nested(value: str) -> Any:
+    node = Node("n", cli_args=["--ros-args", "-p", f"a:={value}"], allow_undeclared_parameters=True)
+    return node.declare_parameter("a", descriptor=ParameterDescriptor(dynamic_typing=True)).value
+
+
+lines("nested", **{value: lambda value=value: _nested(value) for value in NESTED.split()})
+lines(
+    "malformed",
+    dot_at_the_end=lambda: _name("--ros-args", "-p", "a.:=1"),
+    two_dots=lambda: _name("--ros-args", "-p", "a..b:=1"),
+    end_as_value=lambda: _name("--ros-args", "-p", "--"),
+    end_as_file=lambda: _name("--ros-args", "--params-file", "--", "--ros-args"),
+    start_as_value=lambda: _name("--ros-args", "-r", "--ros-args"),
+)
 
 
 def _values(text: str) -> list[list[str]]:

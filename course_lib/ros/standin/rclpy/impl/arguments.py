@@ -209,14 +209,16 @@ def strip_ros_arguments(args: Sequence[str]) -> list[str]:
 
 def _split(args: Sequence[str]) -> Iterator[tuple[str, bool]]:
     """Yield each argument with whether it is for ROS, without `--ros-args` and its closing `--`."""
-    for_ros = False
+    for_ros = is_value = False
     for word in args:
         if not isinstance(word, str):
             raise TypeError("bad argument type for built-in operation")
-        if word == "--ros-args" or (word == "--" and for_ros):
+        if not is_value and (word == "--ros-args" or (word == "--" and for_ros)):
             for_ros = word == "--ros-args"
         else:
             yield word, for_ros
+            # As in rcl, the argument behind a flag is its value, even if it is `--`.
+            is_value = for_ros and not is_value and _FLAGS.get(word, word) in _WORDS
 
 
 def _ros_1_remap(word: str) -> Remap | None:
@@ -234,7 +236,8 @@ def _ros_1_remap(word: str) -> Remap | None:
 
 def _add(parsed: Arguments, flag: str, value: str) -> None:
     """Add the value of one flag. Raise ValueError if it is invalid."""
-    from course_lib.ros.programs.parameter_yaml import read_file, read_value  # YAML is needed only here
+    # YAML is needed only here.
+    from course_lib.ros.programs.parameter_yaml import read_argument, read_file
 
     if flag == "--params-file":
         parsed.overrides += read_file(value)
@@ -250,13 +253,13 @@ def _add(parsed: Arguments, flag: str, value: str) -> None:
         node, match, to = rule.group("node", "match", "to")
         if flag == "--param":
             # The errors of rcl's parser for a character that a parameter name cannot contain.
-            wrong = re.search(r"[^\w./]", match, re.ASCII)
+            wrong = re.search(r"[^\w./]|\.(?=\.|$)", match, re.ASCII)
             if re.match(r"[^A-Za-z_~/]", match):
                 raise ValueError("Expecting token or wildcard")
             if wrong is not None:
                 at = wrong.start()
                 raise ValueError(f"Expected lexeme type (22) not found, search ended at index {at}")
-            parsed.overrides.append((f"/{node}" if node else "/**", {match: read_value(to)}))
+            parsed.overrides.append((f"/{node}" if node else "/**", {match: read_argument(to)}))
         else:
             if rule["kind"] and match.startswith("__"):
                 raise ValueError(f"{rule['kind']}:// needs the name of a topic or service, not {match}")
