@@ -31,7 +31,7 @@ def test_removed_names_methods_and_parameters_are_breaking_changes(api: griffe.M
     del new["displays.Viewer.__init__"].parameters["fixed_frame"]
     assert sorted(breakages(copy(api), new)) == [
         "course_lib.displays.Viewer.__init__: Parameter was removed",
-        "course_lib.displays.Viewer.look: Public object was removed",
+        "course_lib.displays.Viewer.refresh: Public object was removed",
         "course_lib.robots.load_robot: Public object was removed",
     ]
 
