@@ -183,7 +183,8 @@ class Advice:
             texts = [AFTER_AN_ERROR if has_line else "The error above is the cause: begin with it."]
             missing = (NEEDS_ANOTHER, "a value is missing")
             wrong = (c.mistake for c in result.checks if not c.passed and c.mistake not in missing)
-            returned = next(wrong, "") if task.kind == "function" and has_line else ""
+            has_calls = any(len(scenario.calls) > 1 for scenario in task.scenarios)
+            returned = next(wrong, "") if has_calls and has_line else ""
             if returned:
                 texts = [AFTER_AN_ERROR_IN_A_CALL + _hint_by_cause(task, returned.split("; ")[0])]
         elif causes[:1] == [SILENT]:

@@ -38,7 +38,7 @@ from course_lib.grading.advice import (
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER
 from course_lib.grading.records import CheckResult, TaskResult
-from course_lib.grading.task import Message, Scenario, Task, load_catalog
+from course_lib.grading.task import Call, Message, Scenario, Task, load_catalog
 from course_lib.grading.vocabulary.markers import PROPERTIES
 from course_lib.ros.graph.graph import Graph, use_graph
 from course_lib.ros.time.time_lock import time_lock
@@ -48,7 +48,6 @@ WORDS = Path(course_lib.grading.vocabulary.__file__).parent
 LADDER = ("one", "two", "three")
 MISTAKE = "a value has the wrong sign"
 TASK = Task("week01.half", "Half of it", "function", "half", LADDER, (Scenario("public"),))
-NODE_TASK = replace(TASK, kind="node")
 
 
 def failing(mistake: str, title: str = "its value") -> CheckResult:
@@ -275,18 +274,19 @@ def test_after_an_exception_hints_on_missing_messages_are_omitted() -> None:
     stopped = replace(
         result(failing("nothing was published on an expected topic")), errors=("ValueError: x (line 3: x())",)
     )
-    messages = [advice.hint(NODE_TASK, stopped) for _ in range(2)]
+    messages = [advice.hint(TASK, stopped) for _ in range(2)]
     assert messages == [[f"Hint: {AFTER_AN_ERROR}"], [f"Hint: {AFTER_AN_ERROR}", "Hint 1 of 3: one"]]
 
 
 def test_error_in_one_call_does_not_hide_the_hint_on_the_other_calls() -> None:
     checks = (failing("a value is missing"), failing(MISTAKE))
+    two_calls = Scenario("public", calls=(Call(1.0), Call(2.0)))
     stopped = replace(result(*checks), errors=("ValueError: math domain error (line 3: x())",))
-    (hint,) = Advice().hint(TASK, stopped)
+    (hint,) = Advice().hint(replace(TASK, scenarios=(two_calls,)), stopped)
     (own,) = Advice().hint(TASK, result(failing(MISTAKE)))
     assert hint == f"Hint: {AFTER_AN_ERROR_IN_A_CALL}{own.removeprefix('Hint: ')}"
-    only = replace(stopped, checks=checks[:1])
-    assert Advice().hint(TASK, only) == [f"Hint: {AFTER_AN_ERROR}"]
+    # With one call, a file that was not returned is a consequence of the error.
+    assert Advice().hint(TASK, stopped) == [f"Hint: {AFTER_AN_ERROR}"]
 
 
 @pytest.mark.parametrize(
@@ -374,7 +374,7 @@ def test_hint_ladder_starts_when_an_exception_repeats() -> None:
     advice, texts = Advice(), ("ValueError: x", "TypeError: y", "TypeError: y")
     errors = [f"{text} (cell In[{cell}], line {cell}: x())" for cell, text in enumerate(texts)]
     stopped = [replace(result(failing(MISTAKE)), errors=(error,)) for error in errors]
-    messages = [advice.hint(NODE_TASK, one) for one in stopped]
+    messages = [advice.hint(TASK, one) for one in stopped]
     after = f"Hint: {AFTER_AN_ERROR}"
     assert messages == [[after], [after], [after, "Hint 1 of 3: one"]]
 
