@@ -13,6 +13,8 @@ import psutil
 
 LIMIT = 300.0  # [s]
 LIMIT_OF_A_SERVER = 1800.0  # [s], of one that serves all tests of a file
+# [s], of one that serves the files of a folder, which take half an hour on a busy machine
+LIMIT_OF_A_SESSION = 24 * 3600.0
 
 
 class Program(subprocess.Popen[str]):

@@ -20,11 +20,10 @@ from pathlib import Path
 from typing import Any
 
 from tests.patience import PATIENCE
-from tests.processes import Program
+from tests.processes import LIMIT_OF_A_SESSION, Program
 
 # Of `course run`; a process that is started with another one restarts itself.
 HASH_SEED = "0"
-LIMIT_OF_A_SESSION = 24 * 3600.0  # [s]
 # What every program imports. ROS's own names can be imported only after the start of a run.
 PRELOADED = ("numpy.random", "course_lib.cli", "course_lib.recording", "course_lib.tools.run")
 # Read by the interpreter when it starts: commands with other values need another process to fork.

@@ -15,7 +15,7 @@ from playwright.sync_api import Browser, BrowserContext, Locator, Page, Viewport
 
 from course_lib.course.student_folder import prepare
 from tests.patience import PATIENCE
-from tests.processes import LIMIT_OF_A_SERVER, Program
+from tests.processes import LIMIT_OF_A_SESSION, Program
 
 ANSWER = 3 * PATIENCE  # [s]; cells may run for long on a busy machine
 KERNEL = "courseNotebook()?.context?.sessionContext?.session?.kernel"
@@ -57,7 +57,7 @@ def course_lab(folder: Path, home: Path) -> Iterator[str]:
     config.parent.mkdir(parents=True)
     config.write_text(json.dumps({"LabApp": {"expose_app_in_browser": True}}))
     command = [sys.executable, "-m", "course_lib", "lab", str(folder), "--no-browser"]
-    with Program(command, limit=LIMIT_OF_A_SERVER, env=environment, stdout=subprocess.PIPE) as process:
+    with Program(command, limit=LIMIT_OF_A_SESSION, env=environment, stdout=subprocess.PIPE) as process:
         try:
             yield process.find(r"http://\S+")
         finally:

@@ -363,8 +363,12 @@ def test_unresponsive_address_is_reported_once(tmp_path: Path, monkeypatch: pyte
     # Nothing uses this address of the loopback network.
     settings = Settings(f"tcp/127.0.0.1:{free_port()}", "dds/127.77.0.9", domain=FIRST_DOMAIN - 1)
     gateway = Gateway(settings, users, tmp_path / PASSWORDS, lines.append)
-    deadline = time.monotonic() + 1.0
-    while time.monotonic() < deadline:
+    deadline = time.monotonic() + PATIENCE
+    while not lines:
+        assert time.monotonic() < deadline
+        gateway.wait(STOP_PERIOD)
+    quiet_until = time.monotonic() + 1.0
+    while time.monotonic() < quiet_until:
         gateway.wait(STOP_PERIOD)
     gateway.close()
     assert len(lines) == 1

@@ -17,6 +17,7 @@ from course_lib.grading.marks import read_result, results_in
 from course_lib.grading.reports.tables import write_gradebook
 from course_lib.grading.store import Course, lock_folder, result_path
 from course_lib.grading.submissions.submission import PLACES
+from tests.patience import PATIENCE
 
 WriteNotebook = Callable[..., Path]
 POINTS = """
@@ -248,18 +249,21 @@ def test_concurrent_marks_are_serialized(
     kinds: Course, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
-    with ThreadPoolExecutor() as pool:
+    points = ("1", "2", "3", "4", "5", "6")
+    with ThreadPoolExecutor(len(points)) as pool:
         with lock_folder(out):
-            points = ("1", "2", "3", "4", "5", "6")
             args = (out, "ada", "week05_exercise", "essay")
             waiting = [pool.submit(mark_by_hand, *args, one, course=kinds) for one in points]
-            time.sleep(0.5)
+            end, output = time.monotonic() + PATIENCE, ""
+            while output.count(f"{out} is in use by process") < len(waiting):
+                assert time.monotonic() < end, output
+                time.sleep(0.01)
+                output += capsys.readouterr().out
             assert not any(one.done() for one in waiting)
-        messages = [one.result(timeout=60) for one in waiting]
+        messages = [one.result(timeout=PATIENCE) for one in waiting]
     assert len(messages) == len(points)
     entries = json.loads((out / "marks/ada/week05_exercise.json").read_text())
     assert sorted(entry["points"] for entry in entries) == [1, 2, 3, 4, 5, 6]
-    assert f"{out} is in use by process" in capsys.readouterr().out
 
 
 def move_class(top: Path, *, place: str, rename: bool = True) -> tuple[Path, Path]:

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ from course_lib.grading.jail.filters import LAYERS
 from course_lib.grading.jail.launch import TemplateProcess
 from course_lib.grading.store import Course
 from tests.grading.graders import write_class
+from tests.patience import PATIENCE
 from tests.processes import Program
 
 Grade = Callable[..., int]
@@ -119,16 +121,19 @@ def test_terminal_interrupts_during_process_start_print_no_traceback(course: Cou
     grader = Program(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
 
     def starts_a_process() -> bool:
-        tasks = Path(f"/proc/{grader.pid}/task").glob("*/children")
-        started = [pid for task in tasks for pid in task.read_text().split()]
-        return any(b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes() for pid in started)
+        # A thread or process that is listed may have ended.
+        with suppress(OSError):
+            tasks = Path(f"/proc/{grader.pid}/task").glob("*/children")
+            started = [pid for task in tasks for pid in task.read_text().split()]
+            return any(b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes() for pid in started)
+        return False
 
     while grader.poll() is None and not starts_a_process():
         time.sleep(0.005)
     for _ in range(2):
         os.killpg(grader.pid, signal.SIGINT)
         time.sleep(0.3)
-    output = grader.communicate(timeout=60)[0]
+    output = grader.communicate(timeout=PATIENCE)[0]
     assert grader.returncode in (130, -signal.SIGINT)
     assert "Traceback" not in output
     assert "resource_tracker" not in output
@@ -151,7 +156,7 @@ def test_further_interrupts_print_no_traceback_and_leave_no_half_written_result(
     for _ in range(3):
         grader.send_signal(signal.SIGINT)
         time.sleep(gap)
-    output = grader.communicate(timeout=60)[0]
+    output = grader.communicate(timeout=PATIENCE)[0]
     assert grader.returncode in (130, -signal.SIGINT)
     assert "Traceback" not in output
     assert "Exception ignored" not in output
