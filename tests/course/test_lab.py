@@ -168,11 +168,14 @@ def test_server_serves_only_the_student_folder_and_leaves_no_files_or_processes(
         monkeypatch.setenv(name, str(tmp_path / "home" / name.lower()))
     path = os.pathsep.join((str(recording_node(tmp_path)), os.environ["PATH"]))
     arguments = ["lab", str(tmp_path / "mine"), "--port", str(taken), "--no-browser"]
+    # Below `nohup`, this process ignores the signal, and a child would, too.
+    inherited = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     process = Program(
         [sys.executable, "-m", "course_lib", *arguments],
         env=os.environ | {"PATH": path},
         stdout=subprocess.PIPE,
     )
+    signal.signal(signal.SIGHUP, inherited)
     process.find(f"Port {taken} is taken")
     address = process.find(r"http://\S+")
     server = psutil.Process(process.pid).children(recursive=True)

@@ -70,9 +70,14 @@ def test_unmodified_node_drives_through_the_gateway_only_while_its_student_is_th
 
     drive(bob.address(place))
     assert x_of(tmp_path, robot.router) == 0.0
-    drive(ann.address(place))
+
+    def is_driven() -> bool:
+        # On a busy machine the run may end before the way to the robot is there.
+        drive(ann.address(place))
+        return x_of(tmp_path, robot.router) > 0.1
+
+    wait_for(is_driven, "the robot is driven")
     driven = x_of(tmp_path, robot.router)
-    assert driven > 0.1
     assert x_of(tmp_path, robot.router) == driven  # it stands
     output = course(tmp_path, "ros2", "--robot", bob.address(place), "topic", "list")
     assert {"/scan", "/odom", "/cmd_vel"} <= set(output.splitlines())

@@ -15,7 +15,7 @@ from course_lib.grading.marking.by_hand import mark_by_hand
 from course_lib.grading.marking.server import submitted_code
 from course_lib.grading.marks import read_result, results_in
 from course_lib.grading.reports.tables import write_gradebook
-from course_lib.grading.store import Course, lock_folder, result_path
+from course_lib.grading.store import Course, catalog_of, lock_folder, result_path
 from course_lib.grading.submissions.submission import PLACES
 from tests.patience import PATIENCE
 
@@ -249,6 +249,8 @@ def test_concurrent_marks_are_serialized(
     kinds: Course, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
+    # As the marking page does before it serves: check files are not read by several threads.
+    catalog_of(kinds)
     points = ("1", "2", "3", "4", "5", "6")
     with ThreadPoolExecutor(len(points)) as pool:
         with lock_folder(out):
