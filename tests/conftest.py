@@ -24,6 +24,7 @@ from tests.scheduling import (  # noqa: F401  # two are hooks of pytest
     pytest_ignore_collect,
     pytest_xdist_make_scheduler,
 )
+from tests.watchdog import Watchdog
 
 if TYPE_CHECKING:
     from tests.once import Once
@@ -38,6 +39,11 @@ if os.name == "posix":  # Windows has no such sockets
     listen_on_files()
 hypothesis.settings.register_profile("untimed", deadline=None)  # a busy machine is no mistake
 hypothesis.settings.load_profile("untimed")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Limit the time of all tests, those of notebooks, too."""
+    config.pluginmanager.register(Watchdog())
 
 
 @pytest.hookimpl(wrapper=True)
