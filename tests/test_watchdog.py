@@ -1,5 +1,6 @@
 """One thread limits the time of all tests of a file, where pytest's option starts one for each test."""
 
+import faulthandler
 import os
 import sys
 from pathlib import Path
@@ -53,9 +54,8 @@ def test_time_limit_ends_with_the_tests_of_a_file(
     request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     calls = list[str]()
-    module = watchdog.faulthandler
-    monkeypatch.setattr(module, "dump_traceback_later", lambda *_, **__: calls.append("start"))
-    monkeypatch.setattr(module, "cancel_dump_traceback_later", lambda: calls.append("end"))
+    monkeypatch.setattr(faulthandler, "dump_traceback_later", lambda *_, **__: calls.append("start"))
+    monkeypatch.setattr(faulthandler, "cancel_dump_traceback_later", lambda: calls.append("end"))
     dog, item = watchdog.Watchdog(), request.node
     for following in (item, item, None):
         protocol = dog.pytest_runtest_protocol(item, following)

@@ -1,7 +1,7 @@
 """Ends a worker that hangs outside Python, where pytest-timeout's signal is not handled, with all stacks.
 
 pytest's own `faulthandler_timeout` starts and ends a thread for each test, which takes 1 ms of
-processor time. Most of the 13,000 tests are shorter than that.
+processor time. More than half of the 13,000 tests take less than 10 ms.
 """
 
 import faulthandler
