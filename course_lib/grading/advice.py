@@ -26,7 +26,7 @@ from course_lib.grading.caught_errors import CaughtErrors
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER
 from course_lib.grading.kept_state import find_growing_list
-from course_lib.grading.node_slips import find_slip
+from course_lib.grading.node_slips import find_slip, late_publishers
 from course_lib.grading.records import TaskResult
 from course_lib.grading.run.scenario import NO_NODE
 from course_lib.grading.slips import IN_PLACE, UNREAD, Function, find_hidden_error, parse
@@ -48,6 +48,8 @@ _SNIPPET = re.compile(r"`([^`]+)`")
 # Messages that RViz2 displays with its default Reliable, and that sensors do not publish.
 RELIABLE_TYPES = ("visualization_msgs/msg/", "nav_msgs/msg/", "geometry_msgs/msg/", "vision_msgs/msg/")
 SILENT = "nothing was published on an expected topic"
+# Errors of a line that is right, because another line is wrong.
+_VAGUE = ("InvalidHandle", "There is no display '/")
 AFTER_AN_ERROR = (
     "Your code stopped with the error above. Fix that line first: the failed checks follow from it."
 )
@@ -77,7 +79,7 @@ _SURPLUS = {
 
 TOO_MUCH = (
     "Your code publishes far too much. Is each timer's period in seconds, and not 0? Does no "
-    "callback publish on the topic that it subscribes to?"
+    "callback publish on the topic that it subscribes to, or again and again in a loop?"
 )
 
 
@@ -142,7 +144,8 @@ class Advice:
             lines = [*lines, NO_ID.format(first_lesson())]
         lines += large_message_hint(evidence)
         lines += best_effort_hint(evidence)
-        remarks = (wall_clock_hint, _policy_as_depth, _fixed_frame_slash) if result.passed else ()
+        accepted = (wall_clock_hint, _policy_as_depth, _fixed_frame_slash, late_publishers)
+        remarks = accepted if result.passed else ()
         return [*lines, *(line for remark in remarks for line in remark(source))]
 
     def hint(
@@ -193,19 +196,21 @@ class Advice:
             texts = [own or task.mistakes.get(SILENT) or _silence_hint(code), *texts]
         # Code that is stopped after its time has no other sign of the cause.
         too_long = bool(result.errors) and "is it an endless loop?" in result.errors[0]
-        slip = find_slip(source) if too_much or too_long or not has_line else ""
+        is_vague = bool(result.errors) and result.errors[0].startswith(_VAGUE)
+        slip = find_slip(source) if too_much or too_long or is_vague or not has_line else ""
         if not slip and not result.errors:
             slip = _missing_subscription_hint(task, code) or _late_timer_hint(task, source)
-        if not slip and (too_much or not result.errors):
+        is_weak = slip.endswith("is it used?")
+        if (not slip or is_weak) and (too_much or not result.errors):
             # A list that gets one item in each call is a reason only if a check found too many or
             # old items.
             failed = {
                 kind for check in result.checks if not check.passed for kind in check.mistake.split("; ")
             }
             found_surplus = bool(failed & (_OLD_ITEMS | _SURPLUS - set(task.mistakes)))
-            slip = find_growing_list(source, is_certain=not found_surplus)
+            slip = find_growing_list(source, is_certain=not found_surplus) or slip
         # A message that is never sent has a better hint, the missing call.
-        if causes[:1] == [SILENT] and slip.endswith(UNREAD) and texts[0]:
+        if causes[:1] == [SILENT] and (slip.endswith(UNREAD) or is_weak) and texts[0]:
             slip = ""
         best_hint = slip or next((text for text in texts if text and not code.has_code_of(text)), "")
         lines = [f"Hint: {best_hint}"] if best_hint else []
@@ -534,6 +539,18 @@ def parameter_order_hint(task: Task, source: str) -> list[str]:
                     f"Hint: {task.name} has {count} here, and {len(expected) or 'none'} in the "
                     f"exercise: write def {task.name}({', '.join(expected)})."
                 ]
+    for node in ast.walk(tree):
+        match node:
+            case ast.Call(func=ast.Name(id=name), args=args) if expected := _released_parameters(
+                task.week, name
+            ).get(name, []):
+                passed = [getattr(argument, "id", "") for argument in args]
+                for parameter, own_name in zip(expected, passed, strict=False):
+                    if own_name in expected and own_name != parameter and parameter not in passed:
+                        return [
+                            f"Hint: {name} gets {own_name} where its {parameter} belongs. Its "
+                            f"parameters are ({', '.join(expected)})."
+                        ]
     for name, own in _parameters(tree):
         expected = given.get(name, [])
         in_place = [name not in own or own.index(name) == place for place, name in enumerate(expected)]

@@ -163,6 +163,12 @@ def _mix_up_note(
         return [f"Hint: {name} belongs to another task. Write: {_call_text(task)}"]
     definition = re.compile(rf"^(class|def) {re.escape(name)}\b", re.MULTILINE)
     own = [cell for cell in cells if definition.search(cell)] if name else []
+    if own and len(definition.findall(own[-1])) > 1:
+        return [
+            f"Hint: The cell defines {name} {len(definition.findall(own[-1]))} times, and only "
+            "the last "
+            "one counts: delete the others, and run the cell again."
+        ]
     if result.is_untouched and any(STUB not in cell for cell in own):
         return [
             f"Hint: An earlier cell defines {name} without this line, and a later one has replaced "

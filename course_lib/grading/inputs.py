@@ -185,8 +185,8 @@ def circling(
 
 
 def circle_position(at: float) -> Vector:
-    """Return the position `at` [s] on a circle of radius 3 m, traversed at 1 rad/s."""
-    return (3.0 * math.cos(at), 3.0 * math.sin(at), 0.0)
+    """Return the position `at` [s] on a circle of radius 3 m and height 0.5 m, at 1 rad/s."""
+    return (3.0 * math.cos(at), 3.0 * math.sin(at), 0.5)
 
 
 def scan(

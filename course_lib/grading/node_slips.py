@@ -8,6 +8,7 @@ from difflib import get_close_matches
 from functools import cache
 from itertools import combinations
 
+from course_lib.errors import join_words
 from course_lib.grading.number_slips import number_slips
 from course_lib.grading.slips import (
     Function,
@@ -39,6 +40,8 @@ def find_slip(source: str) -> str:
                 *_odd_parameter_callbacks(outer),
                 *_undeclared_names(outer),
                 *_unread_attributes(outer),
+                *_early_ends(outer),
+                *_odd_tables(outer),
             ):
                 return slip
         attributes = {
@@ -328,14 +331,20 @@ def _undeclared_names(cls: ast.ClassDef) -> Iterator[str]:
         for argument in node.args[:1]
         if isinstance(argument, ast.Constant) and isinstance(name := argument.value, str)
     }
+    is_checked = "_set_parameters_callback" in ast.unparse(cls)
     for node in ast.walk(cls):
         match node:
             case ast.Compare(
                 left=ast.Attribute(attr="name"),
                 ops=[ast.Eq()],
                 comparators=[ast.Constant(value=str(name))],
-            ) if name not in declared and (near := get_close_matches(name, declared, 1, 0.75)):
-                yield f"{quote(node)} is never true: the parameter is declared as {near[0]!r}."
+            ) if declared and name not in declared:
+                near = get_close_matches(name, declared, 1, 0.75)
+                known = join_words(sorted(map(repr, declared)))
+                if near:
+                    yield f"{quote(node)} is never true: the parameter is declared as {near[0]!r}."
+                elif is_checked:
+                    yield f"{quote(node)} is never true: the node declares {known}."
             case ast.For(target=ast.Name(id=one), body=body):
                 inner = [part for statement in body for part in ast.walk(statement)]
                 uses = {
@@ -511,6 +520,102 @@ _ENDINGS = {
     "destroy_publisher": "ends the publisher",
     "destroy_subscription": "ends the subscription",
 }
+
+
+def _early_ends(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each line that keeps a node from running or from publishing."""
+    for function in cls.body:
+        for statement in function.body if isinstance(function, Function) else ():
+            match statement:
+                case ast.Expr(
+                    value=ast.Call(func=ast.Attribute(attr="destroy_node" | "shutdown" as name))
+                ) if function.name == "__init__":
+                    yield (
+                        f"{quote(statement)} in __init__ {_ENDINGS[name]} before it has run: "
+                        "leave it out. "
+                        "The program that spins the node calls it, after spin."
+                    )
+        for node in ast.walk(function):
+            if isinstance(node, ast.If) and "get_subscription_count" in ast.unparse(node.test):
+                yield (
+                    f'"if {ast.unparse(node.test)}" waits for a subscription. During the check '
+                    "nobody "
+                    "subscribes, and a viewer is not counted either: publish without this "
+                    "condition."
+                )
+    for function in callbacks_of(cls):
+        readings = {
+            ast.unparse(node.targets[0])
+            for node in ast.walk(function)
+            if isinstance(node, ast.Assign) and re.search(r"\.now\(\)", ast.unparse(node.value))
+            if isinstance(node.targets[0], ast.Name)
+        }
+        for node in ast.walk(function):
+            match node:
+                case ast.BinOp(left=left, op=ast.Sub(), right=right) if ast.unparse(right).partition(".")[
+                    0
+                ] in readings and (
+                    ".now()" in ast.unparse(left) or ast.unparse(left).partition(".")[0] in readings
+                ):
+                    yield (
+                        f"{quote(node)} is the time since this call of {function.name} began. "
+                        "Read the "
+                        "clock once in __init__, self.start = self.get_clock().now(), and "
+                        "subtract that."
+                    )
+
+
+def _odd_tables(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each dictionary that is asked for keys of another kind than it has."""
+    stored: dict[str, str] = {}
+    asked: dict[str, str] = {}
+    literals: dict[str, ast.Dict] = {}
+    for node in ast.walk(cls):
+        match node:
+            case ast.Assign(targets=[target], value=ast.Dict() as value):
+                literals[ast.unparse(target)] = value
+            case ast.Subscript(value=ast.Attribute() as table, slice=key, ctx=ast.Store()):
+                stored.setdefault(ast.unparse(table), ast.unparse(key))
+            case ast.Compare(left=key, ops=[ast.In() | ast.NotIn()], comparators=[table]):
+                asked.setdefault(ast.unparse(table), ast.unparse(key))
+    for name, key in stored.items():
+        other = asked.get(name, key)
+        kinds = ("int", "str", "float")
+        if any(key == f"{kind}({other})" or other == f"{kind}({key})" for kind in kinds):
+            yield (
+                f"{name} has keys like {key}, and is asked for {other}: a number and a string are "
+                "different keys. Use one of them in both places."
+            )
+    for name, table in literals.items():
+        keys = [key.value for key in table.keys if isinstance(key, ast.Constant)]
+        values = [value.value for value in table.values if isinstance(value, ast.Constant)]
+        is_swapped = any(isinstance(key, float) and key % 1 for key in keys)
+        if name in asked and is_swapped and all(type(value) is int for value in values) and values:
+            shown = join_words([ast.unparse(key) for key in table.keys if key is not None])
+            yield (
+                f"{asked[name]} in {name} looks among the keys, which are {shown} here: in "
+                "{key: value} the key comes first. Exchange keys and values."
+            )
+
+
+def late_publishers(source: str) -> Iterator[str]:
+    """Yield a remark on a publisher that a callback creates: ROS 2 loses its first messages."""
+    for cls in ast.walk(parse(source)):
+        for function in callbacks_of(cls) if isinstance(cls, ast.ClassDef) else ():
+            for node in ast.walk(function):
+                match node:
+                    case ast.Call(
+                        func=ast.Name(id="TransformBroadcaster" | "StaticTransformBroadcaster" as name)
+                        | ast.Attribute(attr="create_publisher" as name)
+                    ):
+                        yield (
+                            f"Here the checks accept {name}(…) in {function.name}. On ROS 2 a "
+                            "new publisher "
+                            "needs a moment to find its subscriptions, and what it sends "
+                            "before is lost: "
+                            "create it once, in __init__."
+                        )
+                        return
 
 
 def _odd_callbacks(cls: ast.ClassDef) -> Iterator[str]:

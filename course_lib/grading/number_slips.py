@@ -31,6 +31,7 @@ def number_slips(function: Function) -> Iterator[str]:
     yield from _filtered_indices(function)
     yield from _absolute_times(function)
     yield from _covered_limits(function)
+    yield from _odd_selections(function)
 
 
 def _wrong_angles(function: Function) -> Iterator[str]:
@@ -38,7 +39,8 @@ def _wrong_angles(function: Function) -> Iterator[str]:
     in_degrees = {
         target.id
         for node in ast.walk(function)
-        if isinstance(node, ast.Assign) and _is_conversion(node.value)
+        if isinstance(node, ast.Assign)
+        if _is_conversion(node.value) or _is_share_of_360(node.value)
         for target in node.targets
         if isinstance(target, ast.Name)
     }
@@ -55,6 +57,16 @@ def _wrong_angles(function: Function) -> Iterator[str]:
                 map(_is_conversion, ast.walk(argument))
             ):
                 yield f"{quote(node)}: {name} takes radians, so leave out the conversion to degrees."
+            case ast.Call(
+                func=ast.Attribute(attr="sin" | "cos" as name),
+                args=[share],
+            ) if _is_share_of_360(share):
+                yield f"{quote(node)}: {name} takes radians: a full turn is 2 * math.pi."
+            case ast.Call(
+                func=ast.Attribute(attr="radians" | "deg2rad" as name),
+                args=[angle],
+            ) if re.search(r"\b(math|np)\.(pi|tau)\b", ast.unparse(angle)):
+                yield f"{quote(node)}: an angle with pi is in radians already: leave out {name}( )."
             case ast.Assign(
                 targets=[ast.Name(id=name)],
                 value=ast.Call(func=ast.Attribute(attr="radians"), args=[ast.Name(id=angle)]),
@@ -71,6 +83,14 @@ def _wrong_angles(function: Function) -> Iterator[str]:
 def _is_conversion(node: ast.AST) -> bool:
     """Return whether an expression is a call that converts an angle to degrees."""
     return isinstance(node, ast.Call) and getattr(node.func, "attr", "") in ("degrees", "rad2deg")
+
+
+def _is_share_of_360(node: ast.AST) -> bool:
+    """Return whether an expression is a product or quotient with 360 that remains in degrees."""
+    text = ast.unparse(node)
+    has_turn = any(isinstance(part, ast.Constant) and part.value == 360 for part in ast.walk(node))
+    is_product = isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div)
+    return is_product and has_turn and not re.search(r"\bpi\b|tau|radians|deg2rad", text)
 
 
 # Usual names of angles in degrees.
@@ -124,11 +144,24 @@ def _cut_quotients(function: Function) -> Iterator[str]:
                 places = [inner for other in ast.walk(function) for inner in _integer_operands(other)]
                 if is_fraction and not any(uses(place, name) for place in places):
                     yield f"{cut}( ) leaves out the fraction of {name}: is a whole number meant?"
-            case ast.Return(value=ast.Tuple(elts=items) | ast.List(elts=items)):
-                for item in items:
+            case ast.Return(value=ast.expr() as returned):
+                for item in getattr(returned, "elts", [returned]):
                     match item:
-                        case ast.Call(func=ast.Name(id="round"), args=[_, *_]):
+                        case ast.Call(
+                            func=ast.Name(id="round") | ast.Attribute(attr="round" | "around"),
+                            args=[_, *_],
+                        ):
                             yield f"{quote(item)} leaves out digits: return the number itself."
+            case ast.Call(
+                func=ast.Attribute(attr="create_timer"),
+                args=[ast.Call(func=ast.Name(id="int" | "round" as cut), args=[period]) as whole, *_],
+            ) if any(isinstance(part, ast.Div) for part in ast.walk(period)):
+                yield f"{quote(whole)} makes a period below 1 s 0: leave out {cut}( )."
+            case ast.Call(
+                func=ast.Name(id="int"),
+                args=[ast.BinOp(op=ast.Mult(), right=ast.Constant(value=1000))],
+            ):
+                yield f"{quote(node)} cuts 99.7 off to 99: round( ) gives the nearest whole number."
 
 
 def _integer_operands(node: ast.AST) -> Iterator[ast.AST]:
@@ -583,6 +616,64 @@ def _odd_conditions(function: Function) -> Iterator[str]:
                 yield (
                     f"{quote(node)} is never true, because {ast.unparse(low)} is more than "
                     f"{ast.unparse(high)}: write the smaller limit first."
+                )
+
+
+def _odd_selections(function: Function) -> Iterator[str]:
+    """Yield a sentence for each choice by an index or by whole numbers, and of a rotation only."""
+    pairs: dict[str, list[str]] = {}
+    indices: dict[str, str] = {}
+    for node in ast.walk(function):
+        match node:
+            case ast.Assign(
+                targets=[ast.Name(id=items)],
+                value=ast.ListComp(
+                    elt=ast.Tuple(elts=parts),
+                    generators=[
+                        ast.comprehension(
+                            target=ast.Tuple(elts=[ast.Name(id=index), *_]),
+                            iter=ast.Call(func=ast.Name(id="enumerate")),
+                        )
+                    ],
+                ),
+            ):
+                pairs[items], indices[items] = [ast.unparse(part) for part in parts], index
+            case ast.Compare(
+                left=left,
+                ops=[ast.In() | ast.NotIn()],
+                comparators=[limits],
+            ) if ast.unparse(left).endswith(".value") and ast.unparse(limits).startswith("range("):
+                yield (
+                    f"{quote(node)}: a range has whole numbers only, 12 and not 12.5. Compare "
+                    "with <= and "
+                    "both limits."
+                )
+            case ast.BinOp(
+                left=ast.Subscript(value=matrix) as block,
+                op=ast.MatMult(),
+            ) if ast.unparse(block).endswith("[:3, :3]") and "[:3, 3]" not in ast.unparse(function):
+                name = ast.unparse(matrix)
+                yield (
+                    f"{ast.unparse(block)} is only the rotation: add the translation, "
+                    f"{name}[:3, 3], or "
+                    f"multiply the whole {name} by the point with a 1 below it."
+                )
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(
+                func=ast.Name(id="min" | "max" | "sorted"),
+                args=[ast.Name(id=items)],
+                keywords=[
+                    ast.keyword(
+                        value=ast.Lambda(body=ast.Subscript(slice=ast.Constant(value=int(place)))),
+                        arg="key",
+                    )
+                ],
+            ) if pairs.get(items, [])[place : place + 1] == [indices.get(items)]:
+                yield (
+                    f"{quote(node)} compares {indices[items]}, the index in the list, and not "
+                    "the other "
+                    "value of each pair."
                 )
 
 

@@ -19,6 +19,9 @@ _PURE = {
     *("sorted", "reversed", "round", "abs", "min", "max", "sum", "clip", "radians", "degrees"),
     *("replace", "strip", "lower", "upper", "format", "split"),
 }
+# Functions of numpy that change their arguments, or the settings.
+_CHANGING = {"copyto", "put", "place", "putmask", "fill_diagonal", "save", "savez", "savetxt"}
+_CHANGING |= {"set_printoptions", "seterr"}
 _SENDING = ("publish", "sendTransform")
 _SIGNS = {ast.UAdd: "+", ast.USub: "-"}
 _LONGEST = 60  # limit on the characters of a quoted line
@@ -48,7 +51,10 @@ def function_slips(function: Function, attributes: set[str]) -> Iterator[str]:
         yield from _unreachable(block)
         yield from _late_settings(block)
         yield from _shared_lists(block, function)
+        yield from _coordinates_rotated_twice(block)
     yield from _replaced_parameters(function)
+    yield from _swapped_pairs(function)
+    yield from _misread_strings(function)
     yield from _odd_calls(function)
     yield from _shared_defaults(function)
     yield from _lost_results(function)
@@ -93,6 +99,10 @@ def _idle_statements(block: Sequence[ast.stmt]) -> Iterator[str]:
                 yield f"{quote(statement)} changes nothing: write {name} {_SIGNS[type(sign)]}= 1."
             case ast.Expr(value=ast.BinOp() | ast.Subscript()):
                 yield (f"{quote(statement)} computes a value that is not used: write a name and = before it.")
+            case ast.Expr(
+                value=ast.Call(func=ast.Attribute(value=ast.Name(id="np" | "math"), attr=name))
+            ) if name not in _CHANGING:
+                yield f"{quote(statement)} has a result that is not used: write a name and = before it."
             case ast.Expr(value=ast.Attribute() as named):
                 yield f"{quote(statement)} does not call {named.attr}: write ( ) after it."
             case ast.Expr(
@@ -186,6 +196,101 @@ def _overwritten_components(block: Sequence[ast.stmt]) -> Iterator[str]:
 def uses_expression(node: ast.AST, text: str) -> bool:
     """Return whether a part of a node is an expression with this source code."""
     return any(isinstance(part, ast.expr) and ast.unparse(part) == text for part in ast.walk(node))
+
+
+def _coordinates_rotated_twice(block: Sequence[ast.stmt]) -> Iterator[str]:
+    """Yield a sentence for each coordinate that is computed from one that is rotated already.
+
+    A rotation needs both old coordinates, so the first new one must not replace an old one.
+    """
+    sines_and_cosines: dict[str, set[str]] = {"sin": set(), "cos": set()}
+    rotated: list[str] = []
+    for statement in block:
+        match statement:
+            case ast.Assign(targets=[ast.Name() | ast.Subscript() as target], value=value):
+                words = set(re.findall(r"\w+", ast.unparse(value)))
+                found = [one for one, names in sines_and_cosines.items() if words & {one, *names}]
+            case _:
+                continue
+        if len(found) == 1 and isinstance(value, ast.Call):
+            sines_and_cosines[found[0]].add(ast.unparse(target))
+        if len(found) < 2:
+            continue
+        for name in rotated:
+            if uses_expression(value, name):
+                yield (
+                    f"{quote(statement)} reads {name}, which is rotated already. Both new "
+                    "coordinates "
+                    "need the old ones: compute them under new names first."
+                )
+        rotated.append(ast.unparse(target))
+
+
+def _swapped_pairs(function: Function) -> Iterator[str]:
+    """Yield a sentence for each loop over pairs whose names are in the wrong order."""
+    for node in ast.walk(function):
+        match node:
+            case (
+                ast.For(target=ast.Tuple(elts=[ast.Name(id=first), ast.Name(id=second)]), iter=pairs)
+                | ast.comprehension(
+                    target=ast.Tuple(elts=[ast.Name(id=first), ast.Name(id=second)]), iter=pairs
+                )
+            ):
+                pass
+            case _:
+                continue
+        match pairs:
+            case ast.Call(func=ast.Attribute(value=ast.Name(id=table), attr="items")) if (
+                table == f"{second}s"
+            ):
+                yield (
+                    f"{table}.items() gives the key first, a {second}, and then its value: write "
+                    f"for {second}, {first} in {table}.items()."
+                )
+            case ast.Call(
+                func=ast.Name(id="enumerate"),
+                args=[ast.Name(id=items)],
+            ) if items == f"{first}s":
+                yield (
+                    f"enumerate({items}) gives a number and then an item, so that {first} is "
+                    "0, 1, … "
+                    f"here. The pairs of a dictionary are {items}.items()."
+                )
+
+
+def _misread_strings(function: Function) -> Iterator[str]:
+    """Yield a sentence for each string that Python reads as single letters, and for odd digits."""
+    for node in ast.walk(function):
+        match node:
+            case ast.Compare(
+                left=ast.Name(),
+                ops=[ast.In() | ast.NotIn()],
+                comparators=[ast.Constant(value=str(text))],
+            ) if re.fullmatch(r"\w{4,}", text):
+                yield (
+                    f"{quote(node)} looks for a part of this one string: compare with ==, or write "
+                    f"several names as a tuple, ({text!r}, …)."
+                )
+            case ast.Call(
+                func=ast.Attribute(attr="strip" | "lstrip" | "rstrip" as name),
+                args=[ast.Constant(value=str(text))],
+            ) if re.search(r"\w.*\w.*\w", text):
+                other = "removesuffix" if name == "rstrip" else "removeprefix"
+                yield (
+                    f"{name}({text!r}) removes each of these letters, in any order: "
+                    f"{other}({text!r}) "
+                    "removes the whole word."
+                )
+            case ast.FormattedValue(format_spec=ast.JoinedStr(values=[ast.Constant(value=str(digits))])) if (
+                re.fullmatch(r"\.\d", digits)
+            ):
+                yield f":{digits} counts all digits: {digits}f has {digits[1]} after the point."
+            case ast.Call(
+                func=ast.Name(id="str"),
+                args=[ast.Call(func=ast.Name(id="round"), args=[number, digit])],
+            ):
+                shown = f"{{{ast.unparse(number)}:.{ast.unparse(digit)}f}}"
+                yield f"{quote(node)} leaves out zeros at the end: write {shown} in an f-string."
 
 
 def _published_variable(statement: ast.AST) -> str:

@@ -226,6 +226,9 @@ def _field_hint(types: Sequence[str], attribute: str, line: str) -> str:
     ]
     exact = [path for path in inner if path.endswith(f".{attribute}")]
     similar = next(iter([*exact, *direct, *inner]), "") or near_names.near_field(attribute, names)
+    # An array of messages has one list, whatever a student calls it.
+    if not similar and len(lists) == 1 and attribute.endswith("s"):
+        similar = lists[0]
     # In `pose.position`, where pose is a PoseStamped, the path `pose.position` does not help.
     owners = re.findall(rf"([\w.\[\]]+)\.{attribute}\b", line)
     # With several owners in a line, as in `a.header.stamp = b.stamp`, it may be any of them.

@@ -241,8 +241,8 @@ def name_hint(error: NameError) -> str:
     importable = _importable(frame)
     if missing in ROS_1:
         return f"there is no {missing} in ROS 2: {ROS_1[missing]}."
-    if inner := _function_that_sets(missing, frame):
-        return f"{missing} is set in the function {inner}, and exists only there: return it from {inner}."
+    if found := _other_function_hint(missing, frame):
+        return found
     # A launch file is a separate program, which cannot use the cells of a notebook.
     again = "." if is_launch_file(frame) else "; in a notebook run the first cells again."
     if missing in importable:
@@ -424,17 +424,33 @@ def _find_abbreviation(wanted: str, frame: FrameType) -> str:
     return near[0] if len(near) == 1 else ""
 
 
-def _function_that_sets(name: str, frame: FrameType) -> str:
-    """Return the name of a function that has a local variable of this name, or "".
+def _other_function_hint(name: str, frame: FrameType) -> str:
+    """Return the hint for a name that is a local variable of another function, or "".
 
-    It is nested in the failing code, or defined by another cell.
+    It is nested in the failing code, another method of the node, or defined by another cell.
     """
     code = frame.f_code
+    kind = type(frame.f_locals.get("self"))
+    methods = [value for value in vars(kind).values() if isinstance(value, FunctionType)]
+    # A slip in a name of the running method is more likely than a variable of another one.
+    is_slip = bool(nearest(name, frame.f_locals, 0.85))
+    for method in methods if is_student_class(kind) and not is_slip else ():
+        other = method.__code__
+        if other is not code and name in other.co_varnames:
+            is_parameter = name in other.co_varnames[: other.co_argcount]
+            what = "parameter" if is_parameter else "local variable"
+            return (
+                f"{name} is a {what} of {other.co_name}, and exists only there: keep it in the "
+                "node, "
+                f"self.{name} = … in {other.co_name}, and read self.{name} here."
+            )
     nested = [part for part in code.co_consts if isinstance(part, CodeType) and part.co_name.isidentifier()]
     if code.co_name == "<module>":
         values = [value for value in frame.f_globals.values() if isinstance(value, FunctionType)]
         nested += [value.__code__ for value in values if is_student_file(value.__code__.co_filename)]
-    return next((code.co_name for code in nested if name in code.co_varnames[code.co_argcount :]), "")
+    inner = next((one.co_name for one in nested if name in one.co_varnames[one.co_argcount :]), "")
+    end = f"and exists only there: return it from {inner}."
+    return f"{name} is set in the function {inner}, {end}" if inner else ""
 
 
 def _is_set_before(error: BaseException, name: str) -> bool:
@@ -493,11 +509,19 @@ def key_hint(error: BaseException) -> str:
             return f"the key is {kind}, {key!r}, and not {missing_key!r}."
     if found := _wrong_argument_hint(missing_key, error):
         return found
-    if not isinstance(missing_key, str):
-        return ""
     keys = [key for key in all_keys if isinstance(key, str)]
-    similar = nearest(missing_key, keys)
-    return f"did you mean {similar!r}?" if similar else ""
+    if isinstance(missing_key, str) and (similar := nearest(missing_key, keys)):
+        return f"did you mean {similar!r}?"
+    read = re.findall(r"([A-Za-z_]\w*)\[", line_of_student(error))
+    tables = {name: {**attributes, **frame.f_globals, **frame.f_locals}.get(name) for name in read}
+    dicts = {name: table for name, table in tables.items() if type(table) is dict}
+    found = [name for name, table in dicts.items() if missing_key not in table]
+    if len(found) != 1 or len(dicts[found[0]]) > 8:
+        return ""
+    own = [f"{key!r:.20}" for key in dicts[found[0]]]
+    noun = "keys" if len(own) > 1 else "its key"
+    only = f"has only {join_words(own)} as {noun}" if own else "is empty"
+    return f"{found[0]} {only}. Test first whether the key is there: if … in {found[0]}."
 
 
 def _wrong_argument_hint(missing_key: object, error: BaseException) -> str:
@@ -562,14 +586,22 @@ def attribute_hint(error: AttributeError) -> str:
         similar = nearest(error.name, interfaces()[error.obj.__name__], 0.6)
     longer = [name for name in names if name.startswith(f"{error.name}_")]
     if own_classes and not longer and len(error.name) > 2:
-        # An abbreviation of one of the student's own names: `self.pub` for `self.publisher`.
-        longer = list(
-            dict.fromkeys(name for name in names if name in attributes and name.startswith(error.name))
-        )
-    if not similar and 1 < len(longer) <= 3 and not own_classes:
+        longer = _abbreviated_attributes(error, [name for name in names if name in attributes])
+    if not similar and 1 < len(longer) <= 3:
         return f"did you mean {' or '.join(f'`{name}`' for name in longer)}?"
     similar = similar or (longer[0] if len(longer) == 1 else "")
     return f"did you mean `{similar}`?" if similar else ""
+
+
+def _abbreviated_attributes(error: AttributeError, own_names: Iterable[str]) -> list[str]:
+    """Return the own names that an attribute abbreviates: `publisher` for `self.pub`."""
+    begin = str(error.name)
+    found = list(dict.fromkeys(name for name in own_names if name.startswith(begin)))
+    # With publisher and publish_marker, `self.pub.publish(…)` means the one that has publish.
+    used = re.search(rf"\b{begin}\.(\w+)", line_of_student(error))
+    if used and len(found) > 1:
+        return [name for name in found if hasattr(getattr(error.obj, name), used[1])] or found
+    return found
 
 
 def _holder_of(name: str, instance: object) -> str:

@@ -83,7 +83,8 @@ def shadowed_hint(error: BaseException, text: str) -> str:
         value = frame.f_locals.get(name)
         is_value = value is not None and not callable(value)
         if is_called and is_value and callable(frame.f_globals.get(name)):
-            return f"{name} = … is a variable here and hides the function {name}: rename it."
+            kind = "class" if isinstance(frame.f_globals[name], type) else "function"
+            return f"{name} = … is a variable here and hides the {kind} {name}: rename it."
         if name == match[1] and type(variables.get(name)).__name__ == name:
             return (
                 f"{name} is an object here, {name} = …, and hides the class {name}: choose another "

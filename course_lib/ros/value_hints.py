@@ -97,6 +97,8 @@ def _message_value_hint(value: Any, kind: str) -> str:
         return f"this is a {name}: set it as {holders[0]} of the {kind}, pose.{holders[0]} = …."
     if is_number and fields:
         return f"this is a {name}: take one of its fields, {join_words(list(fields))}."
+    if {name, kind} == {"Transform", "Pose"}:
+        return f"this is a {name}: copy x, y, z and the quaternion to the fields of the {kind}."
     if set(fields) == {"x", "y", "z"} and kind in ("Point", "Vector3"):
         copy = f"`{kind}(x=v.x, y=v.y, z=v.z)`"
         return f"this is a {name}: {copy} has its numbers, where v is the {name}."

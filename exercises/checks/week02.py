@@ -108,18 +108,18 @@ TWO_LINK = Task(
             calls=(
                 Call(2.0, 1.0, 0.0, math.pi / 2),
                 Call(2.0, 1.0, math.pi / 2, math.pi / 2),
-                # Lengths in fractions of a metre, so that rounding shows.
-                Call(0.6, 0.35, 0.0, math.pi / 2),
+                # Lengths in fractions of a metre, so that rounding shows, and no right angle.
+                Call(0.6, 0.35, math.pi / 6, math.pi / 6),
                 Call(0.5, 0.4, -math.pi / 2, math.pi / 2),
             ),
             checks=(
                 expect_value([2.0, 1.0], call=0, unit="m", name="the tip, elbow bent by 90°", axes="x y"),
                 expect_value([-1.0, 2.0], call=1, unit="m", name="the tip, both bent by 90°", axes="x y"),
                 expect_value(
-                    [0.6, 0.35],
+                    [0.3 * math.sqrt(3) + 0.175, 0.3 + 0.175 * math.sqrt(3)],
                     call=2,
                     unit="m",
-                    name="the tip of a small arm, elbow bent by 90°",
+                    name="the tip of a small arm, both bent by 30°",
                     axes="x y",
                 ),
                 expect_value([0.4, -0.5], call=3, unit="m", name="the tip below the x axis", axes="x y"),
@@ -217,7 +217,7 @@ MENDED_STATES = Task(
 
 DELAY = 0.15  # [s] from the stamp of a scan to its arrival
 # A scanner publishes with Best Effort.
-_scan = partial(inputs.scan, first=-1.5, step=0.5, delay=DELAY, best_effort=True)
+_scan = partial(inputs.scan, first=-1.1, step=0.4, delay=DELAY, best_effort=True)
 COUNTING = sum(ranges is not NOTHING for ranges in SCANS)
 AGAIN = expect_throughout("/nearest", hz=2.0).titled("published again and again").worth(0)
 SPHERE = (

@@ -64,8 +64,8 @@ POINT_TO_WORLD = Task(
             calls=(
                 Call([1.0, 0.0, 0.5], 2.0, 0.0, 0.0),
                 Call([1.3, 0.0, 0.5], 2.0, 0.0, math.pi / 2),
-                # This turn has the cosine 0.8 and the sine 0.6, and so shows both.
-                Call([1.0, 0.5, -0.2], -1.0, 3.0, math.atan2(0.6, 0.8)),
+                # The cosine of this turn is -0.8 and its sine -0.6, so that both show.
+                Call([1.0, 0.55, -0.25], -1.0, 3.0, math.atan2(-0.6, -0.8)),
             ),
             checks=(
                 expect_value(
@@ -75,7 +75,7 @@ POINT_TO_WORLD = Task(
                     [2.0, 1.3, 0.5], call=1, unit="m", name="the point, robot turned by 90°", axes="x y z"
                 ),
                 expect_value(
-                    [-0.5, 4.0, -0.2],
+                    [-1.47, 1.96, -0.25],
                     call=2,
                     unit="m",
                     name="a point on the left, robot elsewhere",
@@ -225,8 +225,8 @@ MENDED_ARM = Task(
                     .requiring(ARM)
                     .worth(0.25),
                     expect_transform(
-                        "arm_link", "hand_link", at=1.0, translation=(0.4, 0.0, 0.0), yaw=0.5 - 0.025
-                    ).titled("the hand, at 1 s"),
+                        "arm_link", "hand_link", at=2.0, translation=(0.4, 0.0, 0.0), yaw=1.0 - 0.025
+                    ).titled("the hand, at 2 s"),
                     FINGER,
                     *(
                         expect_transform(parent, child, static=True)

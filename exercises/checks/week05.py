@@ -207,11 +207,11 @@ BATTERY_BAR = Task(
     scenarios=(
         Scenario(
             "public",
-            calls=(Call(0.5, 1.0), Call(0.1, 2.0), Call(0.2, 1.0), Call(1.2, 0.5), Call(-0.1, 1.0)),
+            calls=(Call(0.5, 1.0), Call(0.195, 4.0), Call(0.2, 1.0), Call(1.2, 0.5), Call(-0.1, 1.0)),
             checks=lightly(
                 HALF_FULL,
                 expect_value(
-                    [[0.2, 0.2, 0.2], [0.0, 0.0, 0.1], RED],
+                    [[0.2, 0.2, 0.78], [0.0, 0.0, 0.39], RED],
                     call=1,
                     name="a nearly empty bar",
                     parts=BAR,

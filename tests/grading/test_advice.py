@@ -379,6 +379,15 @@ def test_hint_ladder_starts_when_an_exception_repeats() -> None:
     assert messages == [[after], [after], [after, "Hint 1 of 3: one"]]
 
 
+def test_value_in_the_place_of_another_parameter_of_a_helper_is_reported() -> None:
+    call = "self.broadcaster.sendTransform(stamped('map', 'base_link', now, x, y, yaw, 0.0))"
+    code = f"class RobotFramesNode(Node):\n    def broadcast(self):\n        {call}\n"
+    task = load_catalog(exercises_dir()).task("week04.robot_frames")
+    (line,) = parameter_order_hint(task, code)
+    assert line.startswith("Hint: stamped gets yaw where its z belongs. Its parameters are (parent, child,")
+    assert parameter_order_hint(task, code.replace("yaw, 0.0", "0.0, yaw")) == []
+
+
 @pytest.mark.parametrize(
     ("task", "code", "expected"),
     [
@@ -457,6 +466,10 @@ def test_code_in_a_general_hint_runs(tmp_path: Path, monkeypatch: pytest.MonkeyP
             "ReliabilityPolicy.BEST_EFFORT is a number, which ROS takes as the queue depth.",
         ),
         ("self.create_publisher(Marker, '/m', 10)", ""),
+        (
+            "TransformBroadcaster(self)\n    def __init__(self):\n        self.create_timer(1.0, self.tick)",
+            "Here the checks accept TransformBroadcaster(…) in tick. On ROS 2 a new publisher",
+        ),
         ("Viewer(fixed_frame='/odom')", "Viewer removes the slash in front of the fixed frame '/odom'."),
         ("viewer.fixed_frame = 'odom'", ""),
     ],

@@ -5,6 +5,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -377,6 +378,19 @@ def test_object_of_another_task_is_reported(
         'Hint: RedCubeNode belongs to another task. Write: check("week01.half", half)'
         in capsys.readouterr().out
     )
+
+
+def test_cell_that_defines_the_object_twice_is_reported(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cell = "def half(length):\n    return length / 2\n\n\ndef half(length):\n    return length\n"
+    shell = SimpleNamespace(history_manager=SimpleNamespace(input_hist_raw=[cell]))
+    names: dict[str, Any] = {}
+    exec(cell, names)
+    with monkeypatch.context() as kernel:
+        kernel.setattr("IPython.get_ipython", lambda: shell)
+        check("week01.half", names["half"])
+    assert "Hint: The cell defines half 2 times, and only the last one counts" in capsys.readouterr().out
 
 
 def test_titles_of_a_row_state_their_scenario_once() -> None:

@@ -22,6 +22,69 @@ def method(*lines: str) -> str:
 
 
 SLIPS = [
+    (("np.dot(place, turn)", "return place"), '"np.dot(place, turn)" has a result that is not used'),
+    (
+        ("angle = 360 * 0.25 * time", "x = math.sin(angle)", "return x"),
+        '"math.sin(angle)": sin takes radians, and angle is in degrees',
+    ),
+    (("return math.cos(360 * t / 8)",), '"math.cos(360 * t / 8)": cos takes radians: a full turn'),
+    (
+        ("return math.radians(math.pi * t)",),
+        '"math.radians(math.pi * t)": an angle with pi is in radians already',
+    ),
+    (("return np.round([x, y], 1)",), '"np.round([x, y], 1)" leaves out digits'),
+    (
+        ("self.timer = self.create_timer(int(1 / rate), self.tick)",),
+        '"int(1 / rate)" makes a period below 1 s 0: leave out int( )',
+    ),
+    (("return int(stamp * 1000)",), '"int(stamp * 1000)" cuts 99.7 off to 99: round( )'),
+    (
+        ("p[0] = math.cos(a) * p[0] - math.sin(a) * p[1]", "p[1] = math.sin(a) * p[0] + math.cos(a) * p[1]"),
+        '"p[1] = math.sin(a) * p[0] + math.cos(a) * p[1]" reads p[0], which is rotated',
+    ),
+    (
+        ("c = math.cos(a)", "s = math.sin(a)", "x = c * x - s * y", "y = s * x + c * y", "return x, y"),
+        '"y = s * x + c * y" reads x, which is rotated already',
+    ),
+    (
+        ("for kind, topic in topics.items():", "    viewer.add(kind, topic)"),
+        "topics.items() gives the key first, a topic, and then its value",
+    ),
+    (
+        ("for topic, kind in enumerate(topics):", "    viewer.add(kind, topic)"),
+        "enumerate(topics) gives a number and then an item, so that topic is 0, 1, …",
+    ),
+    (("return kind in 'LaserScan'",), "\"kind in 'LaserScan'\" looks for a part of this one string"),
+    (("return kind.lstrip('rviz/')",), "lstrip('rviz/') removes each of these letters, in any order"),
+    (("return f'{score:.2}'",), ":.2 counts all digits: .2f has 2 after the point"),
+    (
+        ("return str(round(score, 2))",),
+        '"str(round(score, 2))" leaves out zeros at the end: write {score:.2f}',
+    ),
+    (
+        ("if self.p.get_subscription_count() > 0:", "    self.p.publish(text)"),
+        '"if self.p.get_subscription_count() > 0" waits for a subscription',
+    ),
+    (
+        ("return not parameter.value in range(1, 61)",),
+        '"parameter.value in range(1, 61)": a range has whole numbers only',
+    ),
+    (
+        ("return place[:3, :3] @ tip",),
+        "place[:3, :3] is only the rotation: add the translation, place[:3, 3]",
+    ),
+    (
+        ("beams = [(d, i) for i, d in enumerate(ranges)]", "return min(beams, key=lambda b: b[1])"),
+        '"min(beams, key=lambda b: b[1])" compares i, the index in the list',
+    ),
+    (
+        ("if detection.id in self.before:", "    return", "self.before[int(detection.id)] = 1"),
+        "self.before has keys like int(detection.id), and is asked for detection.id",
+    ),
+    (
+        ("lifts = {1.5: 1, own: 5}", "if self.seconds in lifts:", "    print(lifts)"),
+        "self.seconds in lifts looks among the keys, which are 1.5 and own here",
+    ),
     (("for item in items:", "    continue", "    print(item)"), '"print(item)" comes after "continue"'),
     (
         ("if x != math.nan:", "    return 1"),
@@ -575,6 +638,30 @@ def test_empty_catch_all_handler_is_reported(handler: tuple[str, str], is_hiding
     head, body = handler
     sentence = find_hidden_error(method("try:", "    self.paint()", head, f"    {body}"))
     assert sentence.startswith(f'"{head}" also hides your own errors') == is_hiding
+
+
+@pytest.mark.parametrize("end", ["self.destroy_node()", "rclpy.shutdown()"])
+def test_node_that_ends_in_its_constructor_is_reported(end: str) -> None:
+    source = NODE.format(lines="pass").replace("self.angle = 0.0", f"self.angle = 0.0\n        {end}")
+    assert f'"{end}" in __init__ ends' in find_slip(source)
+
+
+def test_start_that_is_read_in_each_call_is_reported() -> None:
+    lines = ("start = self.get_clock().now()", "return self.get_clock().now() - start")
+    source = method(*lines).replace("self.angle = 0.0", "self.create_timer(1.0, self.tick)")
+    assert "is the time since this call of tick began" in find_slip(source)
+
+
+def test_parameter_that_no_line_declares_is_reported_with_those_that_are() -> None:
+    lines = ("for one in parameters:", "    if one.name == 'rate':", "        return 1", "return 2")
+    declared = "self.declare_parameter('frame_id', 'a')\n        "
+    declared += "self.add_on_set_parameters_callback(self.tick)"
+    source = (
+        method(*lines)
+        .replace("self.angle = 0.0", declared)
+        .replace("(self):\n        for", "(self, parameters):\n        for")
+    )
+    assert "\"one.name == 'rate'\" is never true: the node declares 'frame_id'" in find_slip(source)
 
 
 def test_broadcaster_created_and_used_in_a_callback_is_accepted() -> None:

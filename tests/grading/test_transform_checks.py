@@ -110,6 +110,9 @@ def test_constant_transform_must_be_broadcast_as_static_only(evidence: MakeEvide
     for came in (evidence(LENS, moving), evidence(moving)):
         verdict = check.judge(came)
         assert verdict.message == "lens is broadcast repeatedly on /tf, expected once on /tf_static"
+    # The place in the map is right, but the tree of frames is another one.
+    other = (0.5, "/tf_static", TFMessage(transforms=[transform("map", "lens", 0.0, 0.3, 0.0)]))
+    assert check.judge(evidence(other)).message == "the parent of 'lens' is 'map', expected 'base'"
 
 
 @pytest.mark.parametrize(

@@ -216,6 +216,8 @@ def check_turn(
         actual = seconds * math.tau / abs(total_angle) if total_angle else math.inf  # [s]
         gap = describe_offset(actual, period, "too slow", "too fast", "s")
         message = f"one turn takes {format_number(actual, 's')}, expected {format_number(period, 's')}: {gap}"
+        if is_close(math.degrees(actual), period, PERIOD_TOLERANCE * period):
+            message += ": are degrees used instead of radians?"
         right = is_close(actual, period, PERIOD_TOLERANCE * period)
         return [] if right else [Problem(message, "the time of one turn is wrong")]
     message = f"{noun} turns by only {math.degrees(abs(total_angle)):.0f}°"
@@ -228,7 +230,8 @@ def _find_jump(path: Path, steps: Sequence[float], noun: str) -> Problem | None:
     if abs(jump) <= LARGEST_STEP:
         return None
     message = f"{noun} jumps by {math.degrees(abs(jump)):.0f}° from one message to the next"
-    if np.median(np.abs(steps)) > LARGEST_STEP:
+    # Equal steps of exactly a quarter turn differ in their last digits.
+    if np.median(np.abs(steps)) > LARGEST_STEP - STILL:
         message = f"{message}: are degrees used instead of radians?"
         return Problem(message, "an angle jumps from message to message")
     seconds = path[steps.index(jump) + 1][0]
@@ -251,14 +254,18 @@ def expect_transform(
     """Expect the pose of frame `source` in frame `target` in tf2, `at` [s] after the start or at the end.
 
     Translation and tolerance are in [m], yaw about z in [rad]. A static transform is published on
-    /tf_static and never on /tf. Two different poses of `source` for one time are an error, because
-    it is undefined which one applies.
+    /tf_static, with `target` as the parent, and never on /tf. Two different poses of `source` for
+    one time are an error, because it is undefined which one applies.
     """
     if ambiguous := list(_check_unambiguous(evidence, source)):
         return ambiguous
     if static and any(pose.child == source for _, pose in _iter_transforms(evidence, "/tf")):
         message = f"{source} is broadcast repeatedly on /tf, expected once on /tf_static"
         return [Problem(message, "a transform that never moves is not static")]
+    fixed = [pose for _, pose in _iter_transforms(evidence, "/tf_static") if pose.child == source]
+    if static and fixed and target not in [pose.parent for pose in fixed]:
+        message = f"the parent of {source!r} is {fixed[0].parent!r}, expected {target!r}"
+        return [Problem(message, "a frame has the wrong parent")]
     try:
         transform = evidence.compute_once(transform_buffer).lookup(
             target, source, 0 if at is None else START_NS + round(at * 1e9)
@@ -470,7 +477,7 @@ UNIT_TOLERANCE = 0.01  # tolerance of a quaternion's length
 # Actual divided by expected frequency: twice or half, 2 pi left out, a period for a frequency.
 OTHER_FREQUENCIES = (
     *(0.5, 2.0, 0.25, 4.0, 1 / math.tau, math.tau, 1 / math.pi, math.pi),
-    *(1 / 3, 3.0, 1.5, 2 / 3, 8.0, 16.0, 0.125, 1 / 16),
+    *(1 / 3, 3.0, 1.5, 2 / 3, 8.0, 16.0, 0.125, 1 / 16, 2.5, 0.4, math.degrees(1.0)),
 )
 
 

@@ -500,7 +500,11 @@ def expect_fact(evidence: Evidence, name: str, *, serial: int) -> Iterable[Probl
         return []
     value = facts[name]
     if isinstance(value, dict) and list(value) == ["object"]:
-        message = f"{name} is {value['object'].replace('a ellipsis', '...')}, expected a value in its place"
+        kind = value["object"].replace("a ellipsis", "...")
+        # A student who looks the policy up in Python has a constant, whose name is meant.
+        is_constant = kind.endswith("Policy")
+        asked = "its name as a string in quotes" if is_constant else "a value in its place"
+        message = f"{name} is {kind}, expected {asked}"
         return [Problem(message, "a value is of the wrong kind")]
     if isinstance(value, str) and (number := re.fullmatch(r"\s*\d*[.,]?\d+\s*([A-Za-z]*)\s*", value)):
         unit = " and without a unit" if number[1] else ""

@@ -376,8 +376,8 @@ MESSAGES = [
     (
         "from builtin_interfaces.msg import Time\nTime().sec = 1.5",
         "AssertionError: The 'sec' field must be of type 'int'",
-        "sec has the whole seconds, nanosec the rest: `self.get_clock().now().to_msg()` fills "
-        "both. For another time: `Time(seconds=1.5).to_msg()`.",
+        "sec is a whole number like 1, and nanosec the rest. A duration: "
+        "`Duration(seconds=1.5).to_msg()`. The time of now: `self.get_clock().now().to_msg()`.",
     ),
     (
         "from geometry_msgs.msg import PoseWithCovariance\nPoseWithCovariance().covariance = [0.0] * 6",

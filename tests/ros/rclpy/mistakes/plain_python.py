@@ -506,4 +506,53 @@ PLAIN_PYTHON = [
         'the line that sets result raised an error, and after "except ZeroDivisionError:" '
         "the function goes on without a value: end the except with return.",
     ),
+    (
+        "rows = [(1, 2.0), (2, 1.0)]\nsorted(rows, key=lambda: rows[1])",
+        "TypeError: <lambda>() takes 0 positional arguments but 1 was given",
+        "this function is called with each item: give its parameter a name, key=lambda item: …, "
+        "and use item after the colon.",
+    ),
+    (
+        "import numpy as np\ncorners = [(1.0, 2.0, 3.0)] * 4\nx, y, z = np.array(corners)",
+        "ValueError: too many values to unpack (expected 3)",
+        "unpacking an array gives its rows. Its columns are the rows of .T: x, y, z = np.array(corners).T",
+    ),
+    (
+        "joints, angles = [('x', 1.0)], [0.5]\nfor (axis, shift), angle in zip(angles, joints):\n    pass",
+        "TypeError: cannot unpack non-iterable float object",
+        "(axis, shift) gets an item of angles, which is a single value: exchange the lists, "
+        "zip(joints, angles).",
+    ),
+    (
+        "base = None\nbase[0] = 1.0",
+        "TypeError: 'NoneType' object does not support item assignment",
+        "this is None, which has no [ ]: was it set before this line? To set the whole value, "
+        "write = "
+        "without [ ].",
+    ),
+    (
+        "lifts = {1: 1.5, 5: 0.5}\nlifts[2]",
+        "KeyError: 2",
+        "lifts has only 1 and 5 as keys. Test first whether the key is there: if … in lifts.",
+    ),
+    (
+        "class Lamp:\n    def __init__(self):\n        height = 1.4\n    def tick(self):\n"
+        "        return height\nLamp().tick()",
+        "NameError: name 'height' is not defined",
+        "height is a local variable of __init__, and exists only there: keep it in the node, "
+        "self.height = … in __init__, and read self.height here.",
+    ),
+    (
+        "class Lamp:\n    def __init__(self):\n"
+        "        self.publisher = node.create_publisher(Marker, '/m', 10)\n"
+        "    def publish_marker(self):\n        "
+        "self.pub.publish(Marker())\nLamp().publish_marker()",
+        "AttributeError: 'Lamp' object has no attribute 'pub'",
+        "did you mean `publisher`?",
+    ),
+    (
+        "from geometry_msgs.msg import Transform\nMarker().pose = Transform()",
+        "AssertionError: The 'pose' field must be a sub message of type 'Pose'",
+        "this is a Transform: copy x, y, z and the quaternion to the fields of the Pose.",
+    ),
 ]
