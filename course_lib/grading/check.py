@@ -165,9 +165,8 @@ def _mix_up_note(
     own = [cell for cell in cells if definition.search(cell)] if name else []
     if own and len(definition.findall(own[-1])) > 1:
         return [
-            f"Hint: The cell defines {name} {len(definition.findall(own[-1]))} times, and only "
-            "the last "
-            "one counts: delete the others, and run the cell again."
+            f"Hint: The cell defines {name} {len(definition.findall(own[-1]))} times, and only the "
+            "last one counts: delete the others, and run the cell again."
         ]
     if result.is_untouched and any(STUB not in cell for cell in own):
         return [

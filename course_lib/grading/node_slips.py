@@ -531,16 +531,14 @@ def _early_ends(cls: ast.ClassDef) -> Iterator[str]:
                     value=ast.Call(func=ast.Attribute(attr="destroy_node" | "shutdown" as name))
                 ) if function.name == "__init__":
                     yield (
-                        f"{quote(statement)} in __init__ {_ENDINGS[name]} before it has run: "
-                        "leave it out. "
-                        "The program that spins the node calls it, after spin."
+                        f"{quote(statement)} in __init__ {_ENDINGS[name]} before it has run: leave "
+                        "it out. The program that spins the node calls it, after spin."
                     )
         for node in ast.walk(function):
             if isinstance(node, ast.If) and "get_subscription_count" in ast.unparse(node.test):
                 yield (
                     f'"if {ast.unparse(node.test)}" waits for a subscription. During the check '
-                    "nobody "
-                    "subscribes, and a viewer is not counted either: publish without this "
+                    "nobody subscribes, and a viewer is not counted either: publish without this "
                     "condition."
                 )
     for function in callbacks_of(cls):
@@ -558,9 +556,8 @@ def _early_ends(cls: ast.ClassDef) -> Iterator[str]:
                     ".now()" in ast.unparse(left) or ast.unparse(left).partition(".")[0] in readings
                 ):
                     yield (
-                        f"{quote(node)} is the time since this call of {function.name} began. "
-                        "Read the "
-                        "clock once in __init__, self.start = self.get_clock().now(), and "
+                        f"{quote(node)} is the time since this call of {function.name} began. Read "
+                        "the clock once in __init__, self.start = self.get_clock().now(), and "
                         "subtract that."
                     )
 
@@ -609,11 +606,9 @@ def late_publishers(source: str) -> Iterator[str]:
                         | ast.Attribute(attr="create_publisher" as name)
                     ):
                         yield (
-                            f"Here the checks accept {name}(…) in {function.name}. On ROS 2 a "
-                            "new publisher "
-                            "needs a moment to find its subscriptions, and what it sends "
-                            "before is lost: "
-                            "create it once, in __init__."
+                            f"Here the checks accept {name}(…) in {function.name}. On ROS 2 a new "
+                            "publisher needs a moment to find its subscriptions, and what it "
+                            "sends before is lost: create it once, in __init__."
                         )
                         return
 

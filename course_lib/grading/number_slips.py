@@ -644,9 +644,8 @@ def _odd_selections(function: Function) -> Iterator[str]:
                 comparators=[limits],
             ) if ast.unparse(left).endswith(".value") and ast.unparse(limits).startswith("range("):
                 yield (
-                    f"{quote(node)}: a range has whole numbers only, 12 and not 12.5. Compare "
-                    "with <= and "
-                    "both limits."
+                    f"{quote(node)}: a range has whole numbers only, and not its end. Compare "
+                    "with <= and both limits."
                 )
             case ast.BinOp(
                 left=ast.Subscript(value=matrix) as block,
@@ -654,9 +653,8 @@ def _odd_selections(function: Function) -> Iterator[str]:
             ) if ast.unparse(block).endswith("[:3, :3]") and "[:3, 3]" not in ast.unparse(function):
                 name = ast.unparse(matrix)
                 yield (
-                    f"{ast.unparse(block)} is only the rotation: add the translation, "
-                    f"{name}[:3, 3], or "
-                    f"multiply the whole {name} by the point with a 1 below it."
+                    f"{ast.unparse(block)} is only the rotation: add the translation, {name}[:3, "
+                    f"3], or multiply the whole {name} by the point with a 1 below it."
                 )
     for node in ast.walk(function):
         match node:
@@ -671,9 +669,8 @@ def _odd_selections(function: Function) -> Iterator[str]:
                 ],
             ) if pairs.get(items, [])[place : place + 1] == [indices.get(items)]:
                 yield (
-                    f"{quote(node)} compares {indices[items]}, the index in the list, and not "
-                    "the other "
-                    "value of each pair."
+                    f"{quote(node)} compares {indices[items]}, the index in the list, and not the "
+                    "other value of each pair."
                 )
 
 

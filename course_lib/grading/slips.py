@@ -220,8 +220,7 @@ def _coordinates_rotated_twice(block: Sequence[ast.stmt]) -> Iterator[str]:
             if uses_expression(value, name):
                 yield (
                     f"{quote(statement)} reads {name}, which is rotated already. Both new "
-                    "coordinates "
-                    "need the old ones: compute them under new names first."
+                    "coordinates need the old ones: compute them under new names first."
                 )
         rotated.append(ast.unparse(target))
 
@@ -252,9 +251,8 @@ def _swapped_pairs(function: Function) -> Iterator[str]:
                 args=[ast.Name(id=items)],
             ) if items == f"{first}s":
                 yield (
-                    f"enumerate({items}) gives a number and then an item, so that {first} is "
-                    "0, 1, … "
-                    f"here. The pairs of a dictionary are {items}.items()."
+                    f"enumerate({items}) gives a number and then an item, so that {first} is 0, 1, "
+                    f"… here. The pairs of a dictionary are {items}.items()."
                 )
 
 
@@ -278,8 +276,7 @@ def _misread_strings(function: Function) -> Iterator[str]:
                 other = "removesuffix" if name == "rstrip" else "removeprefix"
                 yield (
                     f"{name}({text!r}) removes each of these letters, in any order: "
-                    f"{other}({text!r}) "
-                    "removes the whole word."
+                    f"{other}({text!r}) removes the whole word."
                 )
             case ast.FormattedValue(format_spec=ast.JoinedStr(values=[ast.Constant(value=str(digits))])) if (
                 re.fullmatch(r"\.\d", digits)

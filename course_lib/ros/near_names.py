@@ -441,8 +441,7 @@ def _other_function_hint(name: str, frame: FrameType) -> str:
             what = "parameter" if is_parameter else "local variable"
             return (
                 f"{name} is a {what} of {other.co_name}, and exists only there: keep it in the "
-                "node, "
-                f"self.{name} = … in {other.co_name}, and read self.{name} here."
+                f"node, self.{name} = … in {other.co_name}, and read self.{name} here."
             )
     nested = [part for part in code.co_consts if isinstance(part, CodeType) and part.co_name.isidentifier()]
     if code.co_name == "<module>":
