@@ -524,8 +524,8 @@ _ENDINGS = {
 
 def _early_ends(cls: ast.ClassDef) -> Iterator[str]:
     """Yield a sentence for each line that keeps a node from running or from publishing."""
-    for function in cls.body:
-        for statement in function.body if isinstance(function, Function) else ():
+    for function in [part for part in cls.body if isinstance(part, Function)]:
+        for statement in function.body:
             match statement:
                 case ast.Expr(
                     value=ast.Call(func=ast.Attribute(attr="destroy_node" | "shutdown" as name))
@@ -550,11 +550,9 @@ def _early_ends(cls: ast.ClassDef) -> Iterator[str]:
         }
         for node in ast.walk(function):
             match node:
-                case ast.BinOp(left=left, op=ast.Sub(), right=right) if ast.unparse(right).partition(".")[
-                    0
-                ] in readings and (
-                    ".now()" in ast.unparse(left) or ast.unparse(left).partition(".")[0] in readings
-                ):
+                case ast.BinOp(left=left, op=ast.Sub(), right=right) if any(
+                    uses(right, name) for name in readings
+                ) and (".now()" in ast.unparse(left) or any(uses(left, name) for name in readings)):
                     yield (
                         f"{quote(node)} is the time since this call of {function.name} began. Read "
                         "the clock once in __init__, self.start = self.get_clock().now(), and "
@@ -569,18 +567,18 @@ def _odd_tables(cls: ast.ClassDef) -> Iterator[str]:
     literals: dict[str, ast.Dict] = {}
     for node in ast.walk(cls):
         match node:
-            case ast.Assign(targets=[target], value=ast.Dict() as value):
-                literals[ast.unparse(target)] = value
-            case ast.Subscript(value=ast.Attribute() as table, slice=key, ctx=ast.Store()):
-                stored.setdefault(ast.unparse(table), ast.unparse(key))
-            case ast.Compare(left=key, ops=[ast.In() | ast.NotIn()], comparators=[table]):
-                asked.setdefault(ast.unparse(table), ast.unparse(key))
-    for name, key in stored.items():
-        other = asked.get(name, key)
+            case ast.Assign(targets=[target], value=ast.Dict() as literal):
+                literals[ast.unparse(target)] = literal
+            case ast.Subscript(value=ast.Attribute() as owner, slice=index, ctx=ast.Store()):
+                stored.setdefault(ast.unparse(owner), ast.unparse(index))
+            case ast.Compare(left=sought, ops=[ast.In() | ast.NotIn()], comparators=[owner]):
+                asked.setdefault(ast.unparse(owner), ast.unparse(sought))
+    for name, kept in stored.items():
+        other = asked.get(name, kept)
         kinds = ("int", "str", "float")
-        if any(key == f"{kind}({other})" or other == f"{kind}({key})" for kind in kinds):
+        if any(kept == f"{kind}({other})" or other == f"{kind}({kept})" for kind in kinds):
             yield (
-                f"{name} has keys like {key}, and is asked for {other}: a number and a string are "
+                f"{name} has keys like {kept}, and is asked for {other}: a number and a string are "
                 "different keys. Use one of them in both places."
             )
     for name, table in literals.items():
@@ -606,9 +604,9 @@ def late_publishers(source: str) -> Iterator[str]:
                         | ast.Attribute(attr="create_publisher" as name)
                     ):
                         yield (
-                            f"Here the checks accept {name}(…) in {function.name}. On ROS 2 a new "
-                            "publisher needs a moment to find its subscriptions, and what it "
-                            "sends before is lost: create it once, in __init__."
+                            f"Here the checks accept {name}(…) in {function.name}. On ROS 2 a "
+                            "new publisher needs a moment to find its subscriptions, and what "
+                            "it sends before is lost: create it once, in __init__."
                         )
                         return
 

@@ -102,7 +102,7 @@ def _idle_statements(block: Sequence[ast.stmt]) -> Iterator[str]:
             case ast.Expr(
                 value=ast.Call(func=ast.Attribute(value=ast.Name(id="np" | "math"), attr=name))
             ) if name not in _CHANGING:
-                yield f"{quote(statement)} has a result that is not used: write a name and = before it."
+                yield f"{quote(statement)} has a result that is not used: write a name and = first."
             case ast.Expr(value=ast.Attribute() as named):
                 yield f"{quote(statement)} does not call {named.attr}: write ( ) after it."
             case ast.Expr(

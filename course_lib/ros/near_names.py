@@ -514,13 +514,13 @@ def key_hint(error: BaseException) -> str:
     read = re.findall(r"([A-Za-z_]\w*)\[", line_of_student(error))
     tables = {name: {**attributes, **frame.f_globals, **frame.f_locals}.get(name) for name in read}
     dicts = {name: table for name, table in tables.items() if type(table) is dict}
-    found = [name for name, table in dicts.items() if missing_key not in table]
-    if len(found) != 1 or len(dicts[found[0]]) > 8:
+    lacking = [name for name, table in dicts.items() if missing_key not in table]
+    if len(lacking) != 1 or len(dicts[lacking[0]]) > 8:
         return ""
-    own = [f"{key!r:.20}" for key in dicts[found[0]]]
+    own = [f"{key!r:.20}" for key in dicts[lacking[0]]]
     noun = "keys" if len(own) > 1 else "its key"
     only = f"has only {join_words(own)} as {noun}" if own else "is empty"
-    return f"{found[0]} {only}. Test first whether the key is there: if … in {found[0]}."
+    return f"{lacking[0]} {only}. Test first whether the key is there: if … in {lacking[0]}."
 
 
 def _wrong_argument_hint(missing_key: object, error: BaseException) -> str:

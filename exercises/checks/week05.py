@@ -207,7 +207,13 @@ BATTERY_BAR = Task(
     scenarios=(
         Scenario(
             "public",
-            calls=(Call(0.5, 1.0), Call(0.195, 4.0), Call(0.2, 1.0), Call(1.2, 0.5), Call(-0.1, 1.0)),
+            calls=(
+                Call(0.5, 1.0),
+                Call(0.195, 4.0),
+                Call(0.2, 1.0),
+                Call(1.2, 0.5),
+                Call(-0.1, 1.0),
+            ),
             checks=lightly(
                 HALF_FULL,
                 expect_value(

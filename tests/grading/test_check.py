@@ -390,7 +390,8 @@ def test_cell_that_defines_the_object_twice_is_reported(
     with monkeypatch.context() as kernel:
         kernel.setattr("IPython.get_ipython", lambda: shell)
         check("week01.half", names["half"])
-    assert "Hint: The cell defines half 2 times, and only the last one counts" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert "Hint: The cell defines half 2 times, and only the last one counts" in shown
 
 
 def test_titles_of_a_row_state_their_scenario_once() -> None:

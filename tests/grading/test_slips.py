@@ -22,7 +22,7 @@ def method(*lines: str) -> str:
 
 
 SLIPS = [
-    (("np.dot(place, turn)", "return place"), '"np.dot(place, turn)" has a result that is not used'),
+    (("np.dot(place, turn)", "return place"), '"np.dot(place, turn)" has a result'),
     (
         ("angle = 360 * 0.25 * time", "x = math.sin(angle)", "return x"),
         '"math.sin(angle)": sin takes radians, and angle is in degrees',
@@ -39,11 +39,20 @@ SLIPS = [
     ),
     (("return int(stamp * 1000)",), '"int(stamp * 1000)" cuts 99.7 off to 99: round( )'),
     (
-        ("p[0] = math.cos(a) * p[0] - math.sin(a) * p[1]", "p[1] = math.sin(a) * p[0] + math.cos(a) * p[1]"),
+        (
+            "p[0] = math.cos(a) * p[0] - math.sin(a) * p[1]",
+            "p[1] = math.sin(a) * p[0] + math.cos(a) * p[1]",
+        ),
         '"p[1] = math.sin(a) * p[0] + math.cos(a) * p[1]" reads p[0], which is rotated',
     ),
     (
-        ("c = math.cos(a)", "s = math.sin(a)", "x = c * x - s * y", "y = s * x + c * y", "return x, y"),
+        (
+            "c, s = 1, 2",
+            "c = math.cos(a)",
+            "s = math.sin(a)",
+            "x = c * x - s * y",
+            "y = s * x + c * y",
+        ),
         '"y = s * x + c * y" reads x, which is rotated already',
     ),
     (
@@ -54,8 +63,8 @@ SLIPS = [
         ("for topic, kind in enumerate(topics):", "    viewer.add(kind, topic)"),
         "enumerate(topics) gives a number and then an item, so that topic is 0, 1, …",
     ),
-    (("return kind in 'LaserScan'",), "\"kind in 'LaserScan'\" looks for a part of this one string"),
-    (("return kind.lstrip('rviz/')",), "lstrip('rviz/') removes each of these letters, in any order"),
+    (("return kind in 'LaserScan'",), "\"kind in 'LaserScan'\" looks for a part"),
+    (("return kind.lstrip('rviz/')",), "lstrip('rviz/') removes each of these letters"),
     (("return f'{score:.2}'",), ":.2 counts all digits: .2f has 2 after the point"),
     (
         ("return str(round(score, 2))",),
@@ -642,7 +651,7 @@ def test_empty_catch_all_handler_is_reported(handler: tuple[str, str], is_hiding
 
 @pytest.mark.parametrize("end", ["self.destroy_node()", "rclpy.shutdown()"])
 def test_node_that_ends_in_its_constructor_is_reported(end: str) -> None:
-    source = NODE.format(lines="pass").replace("self.angle = 0.0", f"self.angle = 0.0\n        {end}")
+    source = NODE.format(lines="pass").replace("= 0.0", f"= 0.0\n        {end}")
     assert f'"{end}" in __init__ ends' in find_slip(source)
 
 
