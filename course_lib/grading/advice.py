@@ -184,8 +184,10 @@ class Advice:
             texts = [TOO_MUCH]
         elif result.errors:
             texts = [AFTER_AN_ERROR if has_line else "The error above is the cause: begin with it."]
-            missing = (NEEDS_ANOTHER, "a value is missing")
-            wrong = (c.mistake for c in result.checks if not c.passed and c.mistake not in missing)
+            # Mistakes of a call that returned nothing, which the error explains.
+            missing = re.compile(rf"{NEEDS_ANOTHER}|a value is missing|there is no .*")
+            failed_checks = (c.mistake for c in result.checks if not c.passed)
+            wrong = (mistake for mistake in failed_checks if not missing.fullmatch(mistake))
             has_calls = any(len(scenario.calls) > 1 for scenario in task.scenarios)
             returned = next(wrong, "") if has_calls and has_line else ""
             if returned:

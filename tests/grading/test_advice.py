@@ -282,10 +282,13 @@ def test_error_in_one_call_does_not_hide_the_hint_on_the_other_calls() -> None:
     checks = (failing("a value is missing"), failing(MISTAKE))
     two_calls = Scenario("public", calls=(Call(1.0), Call(2.0)))
     stopped = replace(result(*checks), errors=("ValueError: math domain error (line 3: x())",))
-    (hint,) = Advice().hint(replace(TASK, scenarios=(two_calls,)), stopped)
+    task = replace(TASK, scenarios=(two_calls,))
+    (hint,) = Advice().hint(task, stopped)
     (own,) = Advice().hint(TASK, result(failing(MISTAKE)))
     assert hint == f"Hint: {AFTER_AN_ERROR_IN_A_CALL}{own.removeprefix('Hint: ')}"
-    # With one call, a file that was not returned is a consequence of the error.
+    # A layout that was not returned is a consequence of the error.
+    without_layout = replace(stopped, checks=(failing("there is no layout"),))
+    assert Advice().hint(task, without_layout) == [f"Hint: {AFTER_AN_ERROR}"]
     assert Advice().hint(TASK, stopped) == [f"Hint: {AFTER_AN_ERROR}"]
 
 
