@@ -238,7 +238,7 @@ SET_IDENTITY = "from course_lib import set_identity; set_identity('{}')"
 
 
 def is_allowed_in_id(character: str) -> bool:
-    """Return whether an ID may contain a character: a letter, a digit, a combining mark, or -_.@."""
+    """Return whether an ID may contain a character: letter, digit, combining mark, or -_.@."""
     is_mark = unicodedata.category(character) in ("Mn", "Mc")
     return character.isalnum() or is_mark or character in EXTRA_CHARACTERS
 

@@ -70,8 +70,8 @@ def free_folder(out: Path) -> Path:
         is_draft_left = out.is_dir() and any(out.glob(".release.*.draft"))
         killed = ": a release into it was killed and is not complete" if is_draft_left else ""
         raise CourseError(
-            f"{out} is not an empty folder{killed}. Choose a folder that does not exist yet, or remove "
-            "this one."
+            f"{out} is not an empty folder{killed}. Choose a folder that does not exist yet, or "
+            "remove this one."
         )
     if any(out.is_relative_to(root / name) for name in _released_names()):
         raise CourseError(f"{out} is inside the released files. Choose a folder elsewhere.")

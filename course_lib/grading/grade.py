@@ -297,8 +297,9 @@ def grade(
         if here.is_file() and here.parent.resolve() != course.exercises.resolve():
             # Both have a week 1: all submissions of this one would get no points there.
             print_line(
-                f"warning: graded by the course in {course.exercises.parent}, which is installed, not by "
-                f"the one in this folder, {Path.cwd()}. If that is wrong, type here: pip install -e ."
+                f"warning: graded by the course in {course.exercises.parent}, which is installed, "
+                f"not by the one in this folder, {Path.cwd()}. If that is wrong, type here: "
+                "pip install -e ."
             )
     course = replace(course, sandbox=need, private_folders=(submissions, out))
     found_submissions = _find(submissions, course)
@@ -475,12 +476,14 @@ def _grade_all(work: Pending, jobs: int, dask: str | None) -> Iterator[Gradebook
 def _grade_in_child(
     attempts: Attempts, faults: Faults, course: store.Course, out: Path, error: Exception
 ) -> GradebookRow:
-    """Judge, mark and report one student whose judging process died, and name the check that ended it.
+    """Judge, mark and report one student whose judging process died.
 
-    If the forked process dies, too, the records are written here, with the error.
+    The check that ended it is named. If the forked process dies, too, the records are written
+    here, with the error.
     """
     try:
-        return call_in_child(partial(judge_mark_report, attempts, faults, course, out, judge=judge_in_child))
+        grade_again = partial(judge_mark_report, attempts, faults, course, out)
+        return call_in_child(partial(grade_again, judge=judge_in_child))
     except CourseError:
         missing = dict.fromkeys((s.key for s in attempts.submissions), Fault.from_error(error))
         return judge_mark_report(attempts, missing, course, out)

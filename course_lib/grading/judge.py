@@ -76,8 +76,9 @@ def judge_in_child(run: "ExerciseRun", tasks: Sequence[Task], catalog: Catalog) 
         try:
             return call_in_child(partial(judge, run, tasks, catalog, log))
         except ChildDiedError as error:
-            places = [f"{'/'.join(Path(file).parts[-3:])} line {line}: " for file, line in error.places]
-            place = next((place for place in places if "/checks/" in place), "")
+            named = (("/".join(Path(file).parts[-3:]), line) for file, line in error.places)
+            places = (f"{file} line {line}: " for file, line in named if "/checks/" in file)
+            place = next(places, "")
             if not log.restart(f"{place}{error}"):
                 raise
     return judge(run, tasks, catalog)
@@ -95,8 +96,9 @@ def judge(
         log: The checks that crashed before; they are not run.
     """
     results = tuple(
-        judge_task(task, *catalog.points(task), [r for r in run.runs if r.evidence.task == task.id], log)
+        judge_task(task, *catalog.points(task), task_runs, log)
         for task in tasks
+        for task_runs in [[r for r in run.runs if r.evidence.task == task.id]]
     )
     return Judgement(
         tasks=results,

@@ -556,9 +556,10 @@ def limit_course_code(seconds: float) -> Iterator[None]:
         thread.daemon = True
         start_thread(thread)
 
+    signal_calls = [name for name in SIGNAL_CALLS if hasattr(os, name)]
     replacements: list[tuple[Any, str, Callable[..., None]]] = [
         *((os, name, partial(reject, f"os.{name}")) for name in FATAL_CALLS if hasattr(os, name)),
-        *((os, name, partial(send, name, getattr(os, name))) for name in SIGNAL_CALLS if hasattr(os, name)),
+        *((os, name, partial(send, name, getattr(os, name))) for name in signal_calls),
         (signal, "raise_signal", partial(reject, "signal.raise_signal")),
         (threading.Thread, "start", start),
     ]
