@@ -357,7 +357,7 @@ def _is_timing(check: Check) -> bool:
 
 @dataclass(eq=False, repr=False)
 class ScenarioOnRos:
-    """A scenario of a task. The student's nodes run on the real rclpy; inputs and recorder run in the kit."""
+    """A scenario of a task. The nodes run on the real rclpy; inputs and recorder run in the kit."""
 
     _task: Task
     _scenario: Scenario

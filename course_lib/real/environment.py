@@ -113,7 +113,7 @@ class RealEnvironment:
         return self.folder.with_name(f"{self.folder.name}.incomplete")
 
     def problem(self) -> str:
-        """Return the first pinned package that is missing, damaged or has a different version, or ""."""
+        """Return the first pinned package that is missing, damaged or of another version, or ""."""
         if self.incomplete_mark.exists():
             return "its installation has not ended"
         for name, version in pins().items():

@@ -1,13 +1,15 @@
 """Compare the DDS link to rclpy with rclpy itself: `python tests/benchmarks/bench_dds.py`.
 
 Words choose parts: `round_trip`, which needs REAL_ROS_PYTHON or `course ros --install`, `mutated`
-(100,000 malformed datagrams) and `refused` (1,000 attempts to send what is not allowed).
+(100,000 datagrams with changed bytes), `structured` (with changed lengths, numbers and times) and
+`refused` (1,000 attempts to send what is not allowed).
 `round_trip` measures its pairs in turn, several times, on UDP or TCP on loopback; rclpy with its
 shared memory is faster.
 """
 
 import random
 import statistics
+import struct
 import subprocess
 import sys
 import tempfile
@@ -42,6 +44,11 @@ SETTLE_SECONDS = 2.0
 DOMAINS = range(1, 101)
 STRING = "std_msgs/msg/String"
 SIZES = (20, 100_000)  # [B]
+# Size of the header of a datagram [B], and numbers at the limits of the fields of RTPS.
+HEADER, DATA_FRAG = 20, 0x16
+EDGES = (*range(5), 0x7F, 0xFF, 0x7FFF, 0xFFFC, 0xFFFF, 0x10000, 2**26, 2**31 - 1, 2**31, 2**32 - 1)
+SUBMESSAGES = (0x01, 0x06, 0x07, 0x08, 0x09, 0x0C, 0x0E, 0x12, 0x13, 0x15, DATA_FRAG, 0x80)
+PARAMETERS = (0x00, 0x01, 0x05, 0x07, 0x15, 0x1A, 0x2F, 0x32, 0x50, 0x5A, 0x70, 0x71, 0x83, 0x800F)
 ECHO = """
 import rclpy
 from std_msgs.msg import String
@@ -216,8 +223,9 @@ def router() -> Iterator[str]:
         routers.kill()
 
 
-def mutated() -> None:
-    """Send mutations of the datagrams that two participants exchange to a participant."""
+@contextmanager
+def two_participants() -> Iterator[tuple[Participant, Participant, list[bytes]]]:
+    """Provide a receiver, a sender, and the datagrams that the receiver got during 20 messages."""
     sent: list[bytes] = []
     receiver = Participant(230, "127.0.0.1", lambda endpoint, has_joined: None)
     original = receiver.receive
@@ -234,20 +242,102 @@ def mutated() -> None:
     for number in range(20):
         sender.write(writer, serialize_text("x" * number * 1000))
     time.sleep(1.0)
-    generator, samples, slowest = random.Random(0), list(sent), 0.0
-    for _ in range(MUTATED):
+    receiver.receive = original  # type: ignore[method-assign]
+    yield receiver, sender, list(sent)
+    sender.close()
+    receiver.close()
+
+
+def receive_all(receiver: Participant, kinds: int, datagrams: Iterable[bytes]) -> None:
+    """Pass datagrams to a participant, and print how many were dropped and the slowest one."""
+    slowest, before = 0.0, sum(receiver.dropped.values())
+    for data in datagrams:
+        begin = time.thread_time()
+        receiver.receive(data)
+        slowest = max(slowest, time.thread_time() - begin)
+    sys.stdout.write(
+        f"{MUTATED} mutated datagrams of {kinds} kinds: nothing raised, "
+        f"{sum(receiver.dropped.values()) - before} dropped as malformed, "
+        f"slowest {slowest * 1e3:.1f} ms\n"
+    )
+
+
+def mutated() -> None:
+    """Send mutations of the datagrams that two participants exchange to a participant."""
+
+    def change_bytes() -> bytes:
         data = bytearray(generator.choice(samples))
         for _ in range(generator.randint(1, 6)):
             data[generator.randrange(len(data))] = generator.randrange(256)
-        begin = time.perf_counter()
-        original(bytes(data[: generator.randint(1, len(data))] if generator.random() < 0.3 else data))
-        slowest = max(slowest, time.perf_counter() - begin)
-    sys.stdout.write(
-        f"{MUTATED} mutated datagrams of {len(samples)} kinds: nothing raised, "
-        f"{sum(receiver.dropped.values())} dropped as malformed, slowest {slowest * 1e3:.1f} ms\n"
-    )
-    sender.close()
-    receiver.close()
+        return bytes(data[: generator.randint(1, len(data))] if generator.random() < 0.3 else data)
+
+    with two_participants() as (receiver, _, samples):
+        generator = random.Random(0)
+        receive_all(receiver, len(samples), (change_bytes() for _ in range(MUTATED)))
+
+
+def structured() -> None:
+    """Change the structure of datagrams, then check that old and new participants are received."""
+    with two_participants() as (receiver, sender, samples):
+        generator, samples = random.Random(0), [data for data in samples if submessages(data)]
+        prefixes = [receiver.prefix, sender.prefix, bytes(12), b"\xff" * 12]
+        changed = (change_structure(generator, samples, prefixes) for _ in range(MUTATED))
+        receive_all(receiver, len(samples), changed)
+        newcomer = Participant(230, "127.0.0.1", lambda endpoint, has_joined: None)
+        heard: list[bytes] = []
+        for name, participant in (("old", sender), ("new", newcomer)):
+            heard.clear()
+            topic = f"rt/{name}", "std_msgs::msg::dds_::String_", Qos()
+            receiver.add_reader(*topic, lambda sample: heard.append(sample.data))
+            writer, end = participant.add_writer(*topic), time.monotonic() + 20.0
+            while not heard and time.monotonic() < end:
+                participant.write(writer, serialize_text(name))
+                time.sleep(0.1)
+            sys.stdout.write(f"{len(heard)} messages of the {name} participant arrived\n")
+        newcomer.close()
+
+
+def submessages(data: bytes) -> list[bytearray]:
+    """Split a datagram into its submessages, without the header."""
+    found, at = [], HEADER
+    while at + 4 <= len(data):
+        size = int.from_bytes(data[at + 2 : at + 4], "little" if data[at + 1] & 1 else "big")
+        end = at + 4 + size if size else len(data)
+        found.append(bytearray(data[at:end]))
+        at = end
+    return found
+
+
+def change_structure(draw: random.Random, samples: list[bytes], prefixes: list[bytes]) -> bytes:
+    """Change lengths, numbers, fragments, parameter ids, the sender, times and the order."""
+    data = draw.choice(samples)
+    head, parts = bytearray(data[:HEADER]), submessages(data)
+    for _ in range(draw.randint(1, 4)):
+        part, edge = draw.choice(parts), draw.choice(EDGES)
+        word = draw.randrange(4, max(5, len(part) - 3)) & ~3
+        match draw.randrange(9):
+            case 0:
+                struct.pack_into("<H", part, 2, edge & 0xFFFF)
+            case 1 if len(part) >= word + 4:
+                struct.pack_into("<I", part, word, edge)
+            case 2 if len(part) >= word + 4:
+                struct.pack_into("<HH", part, word, draw.choice(PARAMETERS), edge & 0xFFFF)
+            case 3:
+                head[8:HEADER] = draw.choice(prefixes)
+            case 4:
+                part[0] = draw.choice(SUBMESSAGES)
+            case 5:
+                part[1] ^= 1 << draw.randrange(8)
+            case 6:
+                # The time of the following messages.
+                parts.insert(0, bytearray(struct.pack("<BBHII", 9, 1, 8, edge, edge)))
+            case 7:
+                other = submessages(draw.choice(samples))
+                parts.insert(draw.randrange(len(parts) + 1), draw.choice(other))
+            case 8 if part[0] == DATA_FRAG and len(part) > 40:
+                count, size = (draw.choice((0, 1, 4, 0xFFFF)) for _ in range(2))
+                struct.pack_into("<IHHI", part, 24, edge, count, size, draw.choice(EDGES))
+    return bytes(head) + b"".join(map(bytes, parts))
 
 
 def serialize_text(text: str) -> bytes:
@@ -277,7 +367,12 @@ def refused() -> None:
     robot.close()
 
 
-PARTS: dict[str, Callable[[], None]] = {"mutated": mutated, "refused": refused, "round_trip": round_trip}
+PARTS: dict[str, Callable[[], None]] = {
+    "mutated": mutated,
+    "structured": structured,
+    "refused": refused,
+    "round_trip": round_trip,
+}
 
 
 def main() -> None:

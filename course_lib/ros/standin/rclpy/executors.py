@@ -279,7 +279,7 @@ class Executor(AbstractContextManager["Executor"]):
         until_ns: int | None,
         ready: Callable[[], bool] = lambda: False,
     ) -> None:
-        """Run callbacks until `ready()` is true or robot time is `until_ns`, including events at that time.
+        """Run callbacks until `ready()` or robot time is `until_ns`, including events at that time.
 
         A callback that takes robot time may end later. No callback is started after that.
         """
@@ -297,8 +297,8 @@ class Executor(AbstractContextManager["Executor"]):
     def _course_joined_by(self, nodes: Sequence[HandledNode]) -> Iterator[None]:
         """Run the callbacks of further nodes during the block, in a program thread.
 
-        A live node that a newer node of its name has replaced is skipped: its run ends by itself, so
-        the hint of `add_node` is not for it.
+        A live node that a newer node of its name has replaced is skipped: its run ends by itself,
+        so the hint of `add_node` is not for it.
         """
         with time_lock.hold():
             live = self.context.graph.state(RunningNodes).nodes
@@ -339,7 +339,7 @@ class Executor(AbstractContextManager["Executor"]):
             self._spin_once_impl(limit_ns, never)
 
     def __explain_in_callback(self, limit_ns: int, reason: str) -> AbstractContextManager[None]:
-        """Return a context manager that explains an interrupted endless wait if a callback waits."""
+        """Return a context that explains an interrupted endless wait if a callback waits."""
         is_nested = limit_ns < 0 and threading.get_ident() in self.__under_way
         return explain_interrupts(lambda: reason if is_nested else "")
 
@@ -558,7 +558,7 @@ class Executor(AbstractContextManager["Executor"]):
         return sorted(self._tasks, key=lambda task: task._course_number)
 
     def __next_callback(self, end: int | None = None) -> Task | None:
-        """Return the task for the callback that became ready first, before the number `end`, if any."""
+        """Return the task for the callback that became ready first, before the number `end`."""
         while True:
             first: Turn | None = None
             for handle in self._nodes.values():
