@@ -504,7 +504,8 @@ def node_classes(
         if name not in classes:
             # A student who pastes a class over the whole cell also replaces the mark.
             cells = [str(s.cell.number) for s in left_out if name in s.bindings]
-            advice = f" Cell {''.join(cells[-1:])} defines {name}: write # export into its first line."
+            cell = "".join(cells[-1:])
+            advice = f" Cell {cell} defines {name}: write # export into its first line."
             raise CourseError(
                 f"There is no class {name!r} to export; there is: {', '.join(classes) or 'none'}."
                 f"{advice if cells else ''}"

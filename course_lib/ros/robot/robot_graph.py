@@ -724,11 +724,12 @@ class RobotGraph(Graph):
                     continue
                 nodes = [self._nodes[info.node].full_name for info in (publisher, subscription)]
                 if publisher.type_name != subscription.type_name:
+                    sent, expected = publisher.type_name, subscription.type_name
                     line = (
-                        f"{topic}: {nodes[0]} publishes {publisher.type_name}, and {nodes[1]} subscribes "
-                        f"to {subscription.type_name}, so no message arrives. Use the robot's type."
+                        f"{topic}: {nodes[0]} publishes {sent}, and {nodes[1]} subscribes to "
+                        f"{expected}, so no message arrives. Use the robot's type."
                     )
-                    self._report_once(f"type {topic} {publisher.type_name} {subscription.type_name}", line)
+                    self._report_once(f"type {topic} {sent} {expected}", line)
                     continue
                 policy = find_incompatible_policy(publisher.qos, subscription.qos)
                 if policy is None:
