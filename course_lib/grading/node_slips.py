@@ -593,16 +593,17 @@ def _odd_tables(cls: ast.ClassDef) -> Iterator[str]:
             )
 
 
+# Classes and methods that create a publisher.
+_PUBLISHING = {"TransformBroadcaster", "StaticTransformBroadcaster", "create_publisher"}
+
+
 def late_publishers(source: str) -> Iterator[str]:
     """Yield a remark on a publisher that a callback creates: ROS 2 loses its first messages."""
     for cls in ast.walk(parse(source)):
         for function in callbacks_of(cls) if isinstance(cls, ast.ClassDef) else ():
             for node in ast.walk(function):
                 match node:
-                    case ast.Call(
-                        func=ast.Name(id="TransformBroadcaster" | "StaticTransformBroadcaster" as name)
-                        | ast.Attribute(attr="create_publisher" as name)
-                    ):
+                    case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in _PUBLISHING:
                         yield (
                             f"Here the checks accept {name}(…) in {function.name}. On ROS 2 a "
                             "new publisher needs a moment to find its subscriptions, and what "

@@ -154,7 +154,13 @@ def _cut_quotients(function: Function) -> Iterator[str]:
                             yield f"{quote(item)} leaves out digits: return the number itself."
             case ast.Call(
                 func=ast.Attribute(attr="create_timer"),
-                args=[ast.Call(func=ast.Name(id="int" | "round" as cut), args=[period]) as whole, *_],
+                args=[
+                    ast.Call(
+                        func=ast.Name(id="int" | "round" as cut),
+                        args=[period],
+                    ) as whole,
+                    *_,
+                ],
             ) if any(isinstance(part, ast.Div) for part in ast.walk(period)):
                 yield f"{quote(whole)} makes a period below 1 s 0: leave out {cut}( )."
             case ast.Call(

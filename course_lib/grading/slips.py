@@ -230,7 +230,10 @@ def _swapped_pairs(function: Function) -> Iterator[str]:
     for node in ast.walk(function):
         match node:
             case (
-                ast.For(target=ast.Tuple(elts=[ast.Name(id=first), ast.Name(id=second)]), iter=pairs)
+                ast.For(
+                    target=ast.Tuple(elts=[ast.Name(id=first), ast.Name(id=second)]),
+                    iter=pairs,
+                )
                 | ast.comprehension(
                     target=ast.Tuple(elts=[ast.Name(id=first), ast.Name(id=second)]), iter=pairs
                 )
@@ -278,9 +281,9 @@ def _misread_strings(function: Function) -> Iterator[str]:
                     f"{name}({text!r}) removes each of these letters, in any order: "
                     f"{other}({text!r}) removes the whole word."
                 )
-            case ast.FormattedValue(format_spec=ast.JoinedStr(values=[ast.Constant(value=str(digits))])) if (
-                re.fullmatch(r"\.\d", digits)
-            ):
+            case ast.FormattedValue(
+                format_spec=ast.JoinedStr(values=[ast.Constant(value=str(digits))]),
+            ) if re.fullmatch(r"\.\d", digits):
                 yield f":{digits} counts all digits: {digits}f has {digits[1]} after the point."
             case ast.Call(
                 func=ast.Name(id="str"),

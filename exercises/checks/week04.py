@@ -225,7 +225,11 @@ MENDED_ARM = Task(
                     .requiring(ARM)
                     .worth(0.25),
                     expect_transform(
-                        "arm_link", "hand_link", at=2.0, translation=(0.4, 0.0, 0.0), yaw=1.0 - 0.025
+                        "arm_link",
+                        "hand_link",
+                        at=2.0,
+                        translation=(0.4, 0.0, 0.0),
+                        yaw=1.0 - 0.025,
                     ).titled("the hand, at 2 s"),
                     FINGER,
                     *(

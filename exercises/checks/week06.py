@@ -169,7 +169,15 @@ CAMERA = Task(
         Scenario(
             "both are set in one call",
             seconds=4.0,  # [s]
-            inputs=(inputs.set_parameters("/camera", 2.0, at_once=True, frame_id="front", frame_rate=7.5),),
+            inputs=(
+                inputs.set_parameters(
+                    "/camera",
+                    2.0,
+                    at_once=True,
+                    frame_id="front",
+                    frame_rate=7.5,
+                ),
+            ),
             checks=lightly(
                 expect_rate(IMAGES, 7.5, begin=2.1)
                 .requiring(PIXELS)
