@@ -53,8 +53,8 @@ class Viewer(KnownAttributes):
 
     def __init__(self, fixed_frame: str = "map", *, use_sim_time: bool = False) -> None:
         self._graph = graph = current_graph()
-        scene, matching = Scene(), not graph.keeps_wall_time
-        session = RvizSession(scene, fixed_frame, graph.now_ns, matching, use_sim_time)
+        scene, match_qos = Scene(), graph.is_qos_enforced
+        session = RvizSession(scene, fixed_frame, graph.now_ns, match_qos, use_sim_time)
         session.context.is_seen, session.latched_samples = self.is_seen, graph.latched_samples
         session.context.node = node = RvizNode(graph, session.time)
         self._session, backlog = session, Backlog(session, graph)

@@ -76,6 +76,8 @@ class Graph:
     # Whether robot time is the wall clock, as with a robot: it cannot be paused, and its speed is
     # fixed.
     keeps_wall_time = False
+    # Whether messages pass only between endpoints with compatible QoS.
+    is_qos_enforced = True
 
     def __init__(
         self,

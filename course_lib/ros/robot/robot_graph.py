@@ -484,7 +484,7 @@ class RobotGraph(Graph):
 
     def __init__(self, link: Link, allowed: Permissions, report: Report, *, notebook: bool = False) -> None:
         super().__init__(start_ns=wall.time_ns(), delay_ns=0, notebook=notebook)
-        self.link = link
+        self.link, self.is_qos_enforced = link, link.is_qos_enforced
         self.blocked = BlockedTraffic(report, notebook=notebook)
         self._allowed, self._report = allowed, report
         self._reported = set[str]()

@@ -19,7 +19,8 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.impl.graph_queries import describe
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import Image
-from std_msgs.msg import String
+from std_msgs.msg import ColorRGBA, String
+from visualization_msgs.msg import Marker
 
 from course_lib.displays.viewer import Viewer
 from course_lib.errors import CourseError
@@ -400,6 +401,31 @@ def test_robot_that_starts_with_another_address_is_found_by_its_name(
     kits.until(lambda: "/chatter" in topics(student, "pub"), "the robot")
     line = "The robot dds/robot.local now has the address 127.0.0.1, and the link follows it."
     kits.until(lambda: line in kits.lines, "the line")
+
+
+def test_display_with_incompatible_qos_receives_nothing_and_names_the_policy(kits: DdsKits) -> None:
+    robot, student = kits.join(send="/marker"), kits.join()
+    out = talker(robot, "/marker", "visualization_msgs/msg/Marker", BEST_EFFORT)
+    with use_graph(student):
+        viewer = Viewer("map")
+    viewer.add("Marker", "/marker", name="Strict")
+    loose = viewer.add("Marker", "/marker", name="Loose")
+    loose["Topic/Reliability Policy"] = "Best Effort"
+    marker = Marker(type=Marker.CUBE, color=ColorRGBA(r=1.0, a=1.0))
+    marker.header.frame_id = "map"
+    marker.scale.x = marker.scale.y = marker.scale.z = 1.0
+
+    def arrived() -> bool:
+        robot.publish(out, serialize(marker))
+        return "received" in texts_of("Loose")
+
+    def texts_of(name: str) -> str:
+        return " ".join(row.text for row in viewer.statuses() if row.display == name)
+
+    kits.until(arrived, "the first marker")
+    assert "received" not in texts_of("Strict")
+    assert "another RELIABILITY than this display requests" in texts_of("Strict")
+    viewer.close()
 
 
 def robot_errors(viewer: Viewer) -> list[str]:
