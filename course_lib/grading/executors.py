@@ -2,7 +2,6 @@
 
 import faulthandler
 import io
-import multiprocessing
 import os
 import pickle
 import re
@@ -13,11 +12,9 @@ import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
-from concurrent.futures import ProcessPoolExecutor as Pool
 from concurrent.futures import ThreadPoolExecutor as Threads
 from contextlib import contextmanager
 from functools import partial
-from multiprocessing import resource_tracker
 from typing import Any, NoReturn, TypeVar
 
 from course_lib.errors import CourseError
@@ -49,6 +46,11 @@ class ProcessPool(Threads):
     """
 
     def __init__(self, count: int) -> None:
+        # The checks of a kernel import this module, and never need these packages.
+        import multiprocessing
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import resource_tracker
+
         # New processes inherit the blocked SIGINT, and unblock it once they can end on Ctrl+C
         # without a traceback.
         super().__init__(count, initializer=signal.pthread_sigmask, initargs=(signal.SIG_BLOCK, _INTERRUPT))
@@ -60,8 +62,11 @@ class ProcessPool(Threads):
             resource_tracker.ensure_running()
         finally:
             sys.warnoptions.remove("ignore:resource_tracker")
+        # A spawned process inherits none of this process's threads and locks.
+        context = multiprocessing.get_context("spawn")
+        self._start = partial(ProcessPoolExecutor, 1, context, _end_with_parent)
         self._local = threading.local()
-        self._processes: list[Pool] = []
+        self._processes: list[Executor] = []
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Call the function in one of the processes."""
@@ -78,11 +83,9 @@ class ProcessPool(Threads):
             try:
                 # Each thread has a process of its own.
                 if getattr(self._local, "process", None) is None:
-                    # A spawned process inherits none of this process's threads and locks.
-                    context = multiprocessing.get_context("spawn")
-                    self._local.process = Pool(1, mp_context=context, initializer=_end_with_parent)
+                    self._local.process = self._start()
                     self._processes.append(self._local.process)
-                process: Pool = self._local.process
+                process: Executor = self._local.process
                 return process.submit(call).result()
             except BrokenExecutor:
                 self._local.process = None
@@ -94,9 +97,11 @@ class ProcessPool(Threads):
 
 def _end_with_parent() -> None:
     """End this process silently on Ctrl+C, and when its parent process ends."""
+    from multiprocessing import parent_process
+
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, _INTERRUPT)
-    parent = multiprocessing.parent_process()
+    parent = parent_process()
 
     def follow() -> None:
         if parent is not None:

@@ -322,6 +322,7 @@ MISTAKES = {
             "node.declare_parameter('frame', 'map')\n"
             "value = node.get_parameter('frame').get_parameter_value()\n"
             "PoseStamped().header.frame_id = value",
+            "from geometry_msgs.msg import Transform\nMarker().pose = Transform()",
             "Marker().points = Point()",
             "Marker().color.a = 0,8",
             "from visualization_msgs.msg import MarkerArray\nMarkerArray().markers = [None]",
