@@ -235,8 +235,13 @@ def counts_limits(evidence: Evidence) -> Verdict:
     ]
     if not distances:
         return failed("nothing was published on /nearest", "nothing was published on an expected topic")
-    for name, limit in (("range_min", 0.1), ("range_max", 30.0)):
-        if not any(math.isclose(one, limit, rel_tol=1e-3) for one in distances):
+    low, high = 0.1, 30.0  # [m] range_min and range_max
+    for distance in distances:
+        if not low * 0.999 <= distance <= high * 1.001:
+            text = f"the centre of a sphere is {distance:.3g} m away, expected {low:g} to {high:g} m"
+            return failed(f"{text}, range_min to range_max", "a value is wrong: the limits")
+    for name, limit in (("range_min", low), ("range_max", high)):
+        if not any(math.isclose(distance, limit, rel_tol=1e-3) for distance in distances):
             text = f"no sphere was published for a scan whose only distance in range is {name}, {limit:g} m"
             return failed(f"{text}: a distance equal to {name} counts", "a value is wrong: the limits")
     return passed("as expected")

@@ -301,9 +301,15 @@ COVERAGE = Task(
                 ONE_STRIPE,
                 expect_value(0.15, call=1, tolerance=0.01, name="the coverage of two that overlap"),
                 expect_value(0.05, call=2, tolerance=0.01, name="the coverage of stripes beside the wall"),
-                expect_value(0.0, call=3, tolerance=0.01, name="the coverage of none").requiring(ONE_STRIPE),
-                expect_value(0.08, call=4, tolerance=0.01, name="the coverage of one from below the wall"),
-                expect_value(0.17, call=5, tolerance=0.01, name="the coverage of two that overlap in part"),
+                expect_value(0.0, call=3, tolerance=0.01, name="the coverage of none")
+                .requiring(ONE_STRIPE)
+                .worth(0.4),
+                expect_value(
+                    0.08, call=4, tolerance=0.01, name="the coverage of one from below the wall"
+                ).worth(0.4),
+                expect_value(
+                    0.17, call=5, tolerance=0.01, name="the coverage of two that overlap in part"
+                ).worth(0.4),
             ),
         ),
     ),

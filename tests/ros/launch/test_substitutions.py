@@ -258,8 +258,8 @@ def test_custom_actions_and_substitutions_are_executed(context: LaunchContext) -
 def test_exposed_substitutions_are_read_in_launch_files(
     context: LaunchContext, monkeypatch: pytest.MonkeyPatch, exposed: Any
 ) -> None:
-    # As moveit_configs_utils exposes its substitution xacro.
-    monkeypatch.setattr(grammar, "SUBSTITUTIONS", dict(grammar.SUBSTITUTIONS))
+    # As moveit_configs_utils exposes its substitution xacro. The end of the test removes it again.
+    monkeypatch.setitem(grammar.SUBSTITUTIONS, "shout", grammar.Form(Shout))
     assert expose_substitution("shout")(exposed) is exposed
     assert perform_substitutions(context, parse_substitution("$(shout a) $(shout 'b c')")) == "a! b c!"
 
