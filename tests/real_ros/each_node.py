@@ -13,12 +13,13 @@ import json
 import os
 import re
 import signal
+import socket
 import sys
 import tempfile
 import time
 import traceback
 from collections.abc import Callable, Iterable
-from contextlib import redirect_stderr, redirect_stdout
+from contextlib import redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
 from typing import Any
 
@@ -259,6 +260,16 @@ def outcome(program: str, kits: Outcome) -> Outcome:
         return found | {"lines": plain_lines(output.getvalue() + file.read())}
 
 
+def next_free_domain(domain: int) -> int:
+    """Return the next domain, of 1 to 100, in which no other test's participant is."""
+    for _ in range(100):
+        domain = domain % 100 + 1
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe, suppress(OSError):
+            probe.bind(("", 7410 + 250 * domain))
+            return domain
+    raise AssertionError("Other programs use the DDS domains 1 to 100.")
+
+
 def start(program: str, kits: Outcome, file: Path, domain: int) -> int:
     """Run a node in a separate process and domain, which writes its outcome. Return the process ID."""
     child = os.fork()
@@ -284,7 +295,7 @@ def outcomes_in_processes(programs: dict[str, str], kits: dict[str, Outcome]) ->
         while waiting or running:
             while waiting and len(running) < AT_ONCE:
                 name = waiting.pop()
-                domain = domain % 100 + 1
+                domain = next_free_domain(domain)
                 running[start(programs[name], kits[name], Path(folder, name), domain)] = name
             child, status = os.wait()
             name = running.pop(child)
