@@ -7,7 +7,7 @@ from pathlib import Path
 from pkgutil import iter_modules
 from traceback import extract_tb
 
-from course_lib.ros import near_names
+from course_lib.ros import near_names, shadowing_hints
 from course_lib.ros.messages.definitions import FOLDERS, RENAMED
 from course_lib.ros.programs.packages import clone_instructions, package_folder_of, skipped_folder_reason
 from course_lib.ros.student_code import public_attributes
@@ -133,7 +133,7 @@ _ON_A_ROBOT = {
 def module_hint(error: ModuleNotFoundError) -> str:
     """Return the hint for a module that is misspelled or belongs to ROS 1, or ""."""
     package, _, inner = (error.name or "").partition(".")
-    if inner and (found := near_names.hiding_file_hint(package)):
+    if inner and (found := shadowing_hints.hiding_file_hint(package)):
         return found
     if inner and (found := _interface_module_hint(package, inner, _imported_name(error))):
         return found
@@ -230,7 +230,7 @@ def import_hint(error: ImportError) -> str:
         return ""
     missing, module = match[1], match[2]
     package, _, kind = module.partition(".")
-    if found_file := near_names.hiding_file_hint(package):
+    if found_file := shadowing_hints.hiding_file_hint(package):
         return found_file
     if package in near_names.interfaces() and (interface := _interface_hint(missing, package, kind)):
         return interface

@@ -13,25 +13,21 @@ import keyword
 import linecache
 import os
 import re
-import sys
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from functools import cache
-from importlib.machinery import PathFinder
 from pathlib import Path
 from pkgutil import iter_modules
 from traceback import walk_tb
 from types import CodeType, FrameType, FunctionType, MethodType, ModuleType
 
-from course_lib.errors import format_count, join_words
-from course_lib.ros import syntax_hints
+from course_lib.errors import join_words
+from course_lib.ros import shadowing_hints, syntax_hints
 from course_lib.ros.messages.definitions import definition, type_names
-from course_lib.ros.mistakes import Mistake, mistake_of
 from course_lib.ros.student_code import (
     KIT,
     frame_of,
     is_launch_file,
-    is_of_library,
     is_student_class,
     is_student_file,
     line_of_student,
@@ -545,7 +541,7 @@ def attribute_hint(error: AttributeError) -> str:
     if error.name is None or error.obj is None:
         return ""
     frame = frame_of(error)
-    if isinstance(error.obj, ModuleType) and (found := hiding_file_hint(error.obj.__name__)):
+    if isinstance(error.obj, ModuleType) and (found := shadowing_hints.hiding_file_hint(error.obj.__name__)):
         return found
     if isinstance(error.obj, ModuleType) and (found := _module_attribute_hint(error.obj, error.name, frame)):
         return found
@@ -732,64 +728,6 @@ def keyword_hint(error: BaseException) -> str:
     return f"{match[1]} takes {join_words(names)}." if 0 < len(names) <= 8 else ""
 
 
-def extra_argument_hint(error: BaseException) -> str:
-    """Return the hint for a method that receives more arguments than it accepts, although it has `self`."""
-    match = re.match(
-        r"(?:.*\.)?(\w+)\.(\w+)\(\) takes \d+ positional arguments? but (\d+) (?:was|were) given", str(error)
-    )
-    frame = frame_of(error)
-    if match is None or frame is None:
-        return ""
-    cls, name = reachable_object(frame, match[1]), match[2]
-    method = getattr(cls, name, None) if isinstance(cls, type) else reachable_object(frame, name)
-    code = getattr(method, "__code__", None)
-    if not isinstance(code, CodeType) or code.co_varnames[:1] != ("self",) or name == "__init__":
-        return ""
-    if match[1] == "RcutilsLogger":
-        return f"write one f-string: `self.get_logger().{name}(f'speed: {{speed}}')`."
-    names = list(code.co_varnames[1 : code.co_argcount])
-    passed_text = f"the call passes {format_count(int(match[3]) - 1, 'value')}"
-    owner = "self." if isinstance(cls, type) and isinstance(frame.f_locals.get("self"), cls) else ""
-    call = f"{owner}{name}({', '.join(names)})"
-    return f"{name} takes {join_words(names) or 'nothing'} besides self, and {passed_text}: write {call}."
-
-
-def keyword_argument_hint(error: BaseException) -> str:
-    """Return the hint for a call of the kit or of a library whose last values need names, or ""."""
-    match = re.match(
-        r"(?:\w+\.)*?(\w+)(?:\.__init__)?\(\) takes (?:from \d+ to )?(\d+) positional arguments? but (\d+)",
-        str(error),
-    )
-    frame = frame_of(error)
-    if match is None or frame is None or not isinstance(error, TypeError):
-        return ""
-    function = reachable_object(frame, match[1])
-    if match[1] == "LaunchDescription":
-        return "LaunchDescription takes one list: put all actions into it, LaunchDescription([…, …])."
-    # The classes of rclpy have hints with examples.
-    is_of_rclpy = str(getattr(function, "__module__", "")).startswith("rclpy")
-    if is_of_rclpy or (
-        is_student_class(function) if isinstance(function, type) else not is_of_library(function)
-    ):
-        return ""
-    try:
-        parameters = inspect.signature(function).parameters.values()
-    except (TypeError, ValueError):
-        return ""
-    # Messages have hints of their own.
-    if mistake_of(error) is Mistake.UNNAMED_FIELD:
-        return ""
-    named = [p.name for p in parameters if p.kind == inspect.Parameter.KEYWORD_ONLY]
-    missing = int(match[3]) - int(match[2])
-    if not named and isinstance(function, FunctionType) and match[2] == "0":
-        return f"{match[1]} takes no values: write {match[1]}()."
-    if len(named) < missing:
-        return ""
-    names = named[:3]
-    more = "" if len(names) == len(named) else ", …"
-    return f"{match[1]} takes the last values by name: {', '.join(f'{name}=…' for name in names)}{more}."
-
-
 def near_field(missing: str, names: Sequence[str]) -> str:
     """Return the field or constant of a message that a name probably means, or "".
 
@@ -807,22 +745,6 @@ def near_field(missing: str, names: Sequence[str]) -> str:
 def synonyms(name: str) -> tuple[str, ...]:
     """Return the field names that an everyday word may mean."""
     return _SYNONYMS.get(name.lower(), ())
-
-
-def hiding_file_hint(name: str) -> str:
-    """Return the hint for an imported file or folder that has the name of a library's module, or ""."""
-    file = getattr(sys.modules.get(name), "__file__", None)
-    if file is None or "." in name or not is_student_file(file):
-        return ""
-    place = Path(file).resolve()
-    if place.stem == "__init__":
-        place = place.parent
-    elsewhere = [entry for entry in sys.path if Path(entry).resolve() != place.parent]
-    hidden = PathFinder.find_spec(name, elsewhere)
-    # Python also finds the folder around a package of the workspace, without an origin.
-    if hidden is None or hidden.origin is None or is_student_file(hidden.origin):
-        return ""
-    return f"your {place.name} hides the module {name} of Python or of a library: rename it."
 
 
 @cache

@@ -8,10 +8,12 @@ import builtins
 import linecache
 import re
 import sys
+from importlib.machinery import PathFinder
+from pathlib import Path
 from traceback import walk_tb
 from types import FrameType, FunctionType, ModuleType
 
-from course_lib.ros.student_code import frame_of, is_student_class, line_of_student
+from course_lib.ros.student_code import frame_of, is_student_class, is_student_file, line_of_student
 
 # Modules by the names under which students import them.
 _MODULES = {
@@ -127,3 +129,19 @@ def hidden_property_hint(error: BaseException) -> str:
         return ""
     name = frame.f_locals["name"]
     return f"rclpy itself reads {name} of a node: choose another name for your method {name}."
+
+
+def hiding_file_hint(name: str) -> str:
+    """Return the hint for an imported file or folder that has the name of a library's module, or ""."""
+    file = getattr(sys.modules.get(name), "__file__", None)
+    if file is None or "." in name or not is_student_file(file):
+        return ""
+    place = Path(file).resolve()
+    if place.stem == "__init__":
+        place = place.parent
+    elsewhere = [entry for entry in sys.path if Path(entry).resolve() != place.parent]
+    hidden = PathFinder.find_spec(name, elsewhere)
+    # Python also finds the folder around a package of the workspace, without an origin.
+    if hidden is None or hidden.origin is None or is_student_file(hidden.origin):
+        return ""
+    return f"your {place.name} hides the module {name} of Python or of a library: rename it."

@@ -1,16 +1,17 @@
-"""Hints for values of the wrong type in fields, lists, pairs and loops, and for the arguments of messages.
+"""Hints for values of the wrong type in fields, lists, pairs and loops, and for arguments of calls.
 
 The errors of ROS and Python state the type that is needed, but not the value. The value is in the
 frame that raised the error.
 """
 
 import ast
+import inspect
 import linecache
 import re
 from array import array
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from traceback import walk_tb
-from types import BuiltinFunctionType, FunctionType, MethodType
+from types import BuiltinFunctionType, CodeType, FunctionType, MethodType
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,14 @@ from course_lib.errors import format_count, join_words
 from course_lib.ros import near_names
 from course_lib.ros.messages.definitions import FieldDefinition, definition, type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
-from course_lib.ros.student_code import frame_of, line_of_student, step_of_student
+from course_lib.ros.student_code import (
+    frame_of,
+    is_of_library,
+    is_student_class,
+    line_of_student,
+    reachable_object,
+    step_of_student,
+)
 
 # The hint for None in a field of text, and in another one.
 _NONE_VALUE = (
@@ -526,3 +534,61 @@ def _is_valid_value(value: object, field: FieldDefinition) -> bool:
         return getattr(value, "_TYPE_NAME", None) == field.base
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     return isinstance(value, str) if field.base in ("string", "wstring") else is_number
+
+
+def extra_argument_hint(error: BaseException) -> str:
+    """Return the hint for a method that receives more arguments than it accepts, although it has `self`."""
+    match = re.match(
+        r"(?:.*\.)?(\w+)\.(\w+)\(\) takes \d+ positional arguments? but (\d+) (?:was|were) given", str(error)
+    )
+    frame = frame_of(error)
+    if match is None or frame is None:
+        return ""
+    cls, name = reachable_object(frame, match[1]), match[2]
+    method = getattr(cls, name, None) if isinstance(cls, type) else reachable_object(frame, name)
+    code = getattr(method, "__code__", None)
+    if not isinstance(code, CodeType) or code.co_varnames[:1] != ("self",) or name == "__init__":
+        return ""
+    if match[1] == "RcutilsLogger":
+        return f"write one f-string: `self.get_logger().{name}(f'speed: {{speed}}')`."
+    names = list(code.co_varnames[1 : code.co_argcount])
+    passed_text = f"the call passes {format_count(int(match[3]) - 1, 'value')}"
+    owner = "self." if isinstance(cls, type) and isinstance(frame.f_locals.get("self"), cls) else ""
+    call = f"{owner}{name}({', '.join(names)})"
+    return f"{name} takes {join_words(names) or 'nothing'} besides self, and {passed_text}: write {call}."
+
+
+def keyword_argument_hint(error: BaseException) -> str:
+    """Return the hint for a call of the kit or of a library whose last values need names, or ""."""
+    match = re.match(
+        r"(?:\w+\.)*?(\w+)(?:\.__init__)?\(\) takes (?:from \d+ to )?(\d+) positional arguments? but (\d+)",
+        str(error),
+    )
+    frame = frame_of(error)
+    if match is None or frame is None or not isinstance(error, TypeError):
+        return ""
+    function = reachable_object(frame, match[1])
+    if match[1] == "LaunchDescription":
+        return "LaunchDescription takes one list: put all actions into it, LaunchDescription([…, …])."
+    # The classes of rclpy have hints with examples.
+    is_of_rclpy = str(getattr(function, "__module__", "")).startswith("rclpy")
+    if is_of_rclpy or (
+        is_student_class(function) if isinstance(function, type) else not is_of_library(function)
+    ):
+        return ""
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        return ""
+    # Messages have hints of their own.
+    if mistake_of(error) is Mistake.UNNAMED_FIELD:
+        return ""
+    named = [p.name for p in parameters if p.kind == inspect.Parameter.KEYWORD_ONLY]
+    missing = int(match[3]) - int(match[2])
+    if not named and isinstance(function, FunctionType) and match[2] == "0":
+        return f"{match[1]} takes no values: write {match[1]}()."
+    if len(named) < missing:
+        return ""
+    names = named[:3]
+    more = "" if len(names) == len(named) else ", …"
+    return f"{match[1]} takes the last values by name: {', '.join(f'{name}=…' for name in names)}{more}."
