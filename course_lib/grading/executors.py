@@ -2,19 +2,23 @@
 
 import faulthandler
 import io
+import math
 import os
 import pickle
 import re
+import select
 import signal
 import sys
 import tempfile
 import threading
+import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from concurrent.futures import ThreadPoolExecutor as Threads
 from contextlib import contextmanager
 from functools import partial
+from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
 from course_lib.errors import CourseError
@@ -177,6 +181,11 @@ def _take_results(pending: dict[Future[Any], Tag]) -> Iterator[tuple[Tag, Future
 
 
 CAN_FORK = sys.platform == "linux"  # the frameworks of macOS don't survive a fork
+# A process that is busy for less than this share of the time waits for a file, a lock or the
+# network, or looks for it again and again. A program that computes is busy all the time.
+IDLE_SHARE = 0.05
+# Wall time [s] after which an idle fork is replaced. A check that waits ends before, with its line.
+STUCK_SECONDS = 60.0
 _CRASH_LINE = re.compile(r'File "([^"]+)", line (\d+)')
 
 
@@ -193,6 +202,22 @@ class ChildDiedError(CourseError):
         self.places = tuple(places)
 
 
+def busy_seconds(process: int) -> float:
+    """Return how long the main thread of a process has computed or waited for a processor.
+
+    So the result does not depend on other programs of a busy machine, unlike processor time.
+
+    Returns:
+        The time [s]; only the processor time where the system has no more to tell about this
+        process, and NaN where it tells nothing about another one.
+    """
+    try:
+        running_ns, queued_ns, _ = map(int, Path(f"/proc/{process}/schedstat").read_text().split())
+    except (OSError, ValueError):
+        return time.thread_time() if process == os.getpid() else math.nan
+    return (running_ns + queued_ns) * 1e-9
+
+
 def call_in_child(function: Callable[[], Result]) -> Result:
     """Call a function in a fork of this process, and return its result.
 
@@ -201,19 +226,48 @@ def call_in_child(function: Callable[[], Result]) -> Result:
 
     Raises:
         ChildDiedError: The process of the function crashed or was killed.
-        CourseError: The function raised an exception, of any type.
+        CourseError: The function raised an exception, of any type, or its process stopped computing.
+    """
+    for _ in range(TRIES):
+        try:
+            data = _answer_of_child(function)
+        except TimeoutError:
+            # A lock that another thread held during the fork is never released in the child. The
+            # next fork rarely meets a thread at the same place.
+            continue
+        result, error = pickle.loads(data)
+        if error:
+            raise CourseError(error)
+        return result  # type: ignore[no-any-return]
+    raise CourseError(f"a process of the grader stopped computing {TRIES} times: run the command again")
+
+
+def _answer_of_child(function: Callable[[], object]) -> bytes:
+    """Return what `_answer` writes in a fork of this process.
+
+    Raises:
+        ChildDiedError: The fork crashed or was killed.
+        TimeoutError: The fork was idle for `STUCK_SECONDS`.
     """
     reader, writer = os.pipe()
-    with tempfile.TemporaryFile("w+") as crash, open(reader, "rb") as answer:
+    with tempfile.TemporaryFile("w+") as crash, open(reader, "rb", buffering=0) as answer:
         with warnings.catch_warnings():
-            # Python 3.12 warns if other threads run. The function must not need their locks.
+            # Python 3.12 warns if other threads run.
             warnings.simplefilter("ignore", DeprecationWarning)
             child = os.fork()
         if child == 0:
             _answer(function, writer, crash)
         os.close(writer)
         try:
-            data = answer.read()
+            data, busy = bytearray(), 0.0
+            while True:
+                if select.select([answer], [], [], STUCK_SECONDS)[0]:
+                    if not (part := answer.read(2**20)):
+                        break
+                    data += part
+                before, busy = busy, busy_seconds(child)
+                if not data and busy - before < IDLE_SHARE * STUCK_SECONDS:
+                    raise TimeoutError
             code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         except BaseException:
             os.kill(child, signal.SIGKILL)
@@ -224,10 +278,7 @@ def call_in_child(function: Callable[[], Result]) -> Result:
     if code != 0:
         how = signal.Signals(-code).name if code < 0 else f"the exit code {code}"
         raise ChildDiedError(f"it ends the process with {how}", places)
-    result, error = pickle.loads(data)
-    if error:
-        raise CourseError(error)
-    return result  # type: ignore[no-any-return]
+    return bytes(data)
 
 
 def _answer(function: Callable[[], object], writer: int, crash: Any) -> NoReturn:

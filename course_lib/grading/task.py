@@ -10,7 +10,6 @@ import runpy
 import signal
 import sys
 import threading
-import time
 import tomllib
 import traceback
 from collections.abc import Callable, Iterator, Mapping
@@ -26,7 +25,7 @@ from course_lib.course.course_file import CourseFile, read_course_file
 from course_lib.course.material import ASSETS, asset_files, exercises_dir
 from course_lib.errors import CourseError, did_you_mean, format_count, location_of
 from course_lib.grading.evidence import Check, all_checks
-from course_lib.grading.executors import CAN_FORK, ChildDiedError, call_in_child
+from course_lib.grading.executors import CAN_FORK, IDLE_SHARE, ChildDiedError, busy_seconds, call_in_child
 from course_lib.ros.messages.definitions import add_package, field_definitions
 from course_lib.ros.programs.packages import MANIFEST, has_interfaces, packages_below, prepend_paths
 from course_lib.third_party import read_text
@@ -467,9 +466,9 @@ def _load_hidden(path: Path, tasks: Mapping[str, Task]) -> dict[str, tuple[Scena
 
 # The timer repeats after this processor time [s], for code that swallows the first exception.
 AGAIN = 1.0
-# A block that uses hardly any processor time [s] within these seconds is not slow, it waits: for a
-# process, a lock or the network. A busy machine gives it more than that.
-WAIT_SECONDS, WAIT_PROCESSOR_SECONDS = 20.0, 0.02
+# A block that is idle for these seconds of wall time is not slow, it waits: for a process, a lock or
+# the network.
+WAIT_SECONDS = 20.0
 # Processor time [s] for the definitions of a check file, which may read data and import packages.
 LOAD_SECONDS = 30.0
 # Address space [bytes] that code of the course may use in addition to that of the grader.
@@ -495,14 +494,14 @@ def time_limit(seconds: float) -> Iterator[None]:
         TimeoutError: The block took more than `seconds`, or waited without using a processor. Its
             traceback has the line of the block.
     """
-    reason, used = "", time.thread_time()
+    reason, busy = "", busy_seconds(os.getpid())
 
     def ring(number: int, _: Any) -> None:
-        nonlocal reason, used
-        before, used = used, time.thread_time()
+        nonlocal reason, busy
+        before, busy = busy, busy_seconds(os.getpid())
         if number == signal.SIGPROF:
             reason = f"it takes more than {seconds:.3g} s"
-        elif used - before > WAIT_PROCESSOR_SECONDS:
+        elif busy - before > IDLE_SHARE * WAIT_SECONDS:
             return
         else:
             reason = f"it waits for something, without computing for {WAIT_SECONDS:.3g} s"
@@ -515,19 +514,22 @@ def time_limit(seconds: float) -> Iterator[None]:
         return
     numbers = (signal.SIGPROF, signal.SIGALRM)
     handlers = [(number, signal.signal(number, ring)) for number in numbers]
+    timers = (signal.ITIMER_PROF, (seconds, AGAIN)), (signal.ITIMER_REAL, (WAIT_SECONDS, WAIT_SECONDS))
+    former_timers = [(timer, signal.setitimer(timer, *times)) for timer, times in timers]
     try:
-        signal.setitimer(signal.ITIMER_PROF, seconds, AGAIN)
-        signal.setitimer(signal.ITIMER_REAL, WAIT_SECONDS, WAIT_SECONDS)
         try:
             yield
         finally:
-            signal.setitimer(signal.ITIMER_PROF, 0)
-            signal.setitimer(signal.ITIMER_REAL, 0)
+            for timer, _ in timers:
+                signal.setitimer(timer, 0)
     except _TimeLimitError as error:
         raise TimeoutError(reason).with_traceback(error.__traceback__) from None
     finally:
         for number, handler in handlers:
             signal.signal(number, handler)
+        for timer, times in former_timers:
+            # Time limits may be nested, and the caller may have its own.
+            signal.setitimer(timer, *times)
 
 
 @contextmanager

@@ -1,0 +1,83 @@
+"""Functions in a fork of the grader, and time limits of blocks that do not compute."""
+
+import signal
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.grading import executors
+from course_lib.grading.executors import call_in_child
+from course_lib.grading.task import time_limit
+from tests.patience import PATIENCE
+
+
+def wait_for(lock: threading.Lock) -> None:
+    lock.acquire()
+
+
+def look_for(lock: threading.Lock) -> None:
+    while not lock.acquire(blocking=False):
+        time.sleep(0.002)
+
+
+@pytest.mark.parametrize("take", [wait_for, look_for])
+def test_fork_that_waits_for_a_lock_of_another_thread_is_replaced(
+    tmp_path: Path, take: Callable[[threading.Lock], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(executors, "STUCK_SECONDS", 0.5)
+    lock = threading.Lock()
+    lock.acquire()
+
+    def call() -> str:
+        mark = tmp_path / "called"
+        if not mark.exists():
+            mark.touch()
+            take(lock)
+        return "the second fork"
+
+    assert call_in_child(call) == "the second fork"
+
+
+def test_fork_that_always_waits_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(executors, "STUCK_SECONDS", 0.3)
+    lock = threading.Lock()
+    lock.acquire()
+    with pytest.raises(CourseError, match="stopped computing 2 times: run the command again"):
+        call_in_child(lambda: wait_for(lock))
+
+
+def test_fork_that_computes_is_not_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(executors, "STUCK_SECONDS", 0.2)
+
+    def compute() -> int:
+        with (tmp_path / "calls").open("a") as calls:
+            calls.write("x")
+        end = time.process_time() + 1.0
+        while time.process_time() < end:
+            pass
+        return len("x" * 5_000_000)
+
+    assert call_in_child(compute) == 5_000_000
+    assert (tmp_path / "calls").read_text() == "x"
+
+
+def test_time_limit_ends_a_block_that_looks_again_and_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("course_lib.grading.task.WAIT_SECONDS", 0.5)
+    lock = threading.Lock()
+    lock.acquire()
+    with pytest.raises(TimeoutError, match="it waits for something"), time_limit(PATIENCE):
+        look_for(lock)
+
+
+def test_time_limit_keeps_the_timer_of_its_caller() -> None:
+    former = signal.setitimer(signal.ITIMER_REAL, PATIENCE)
+    try:
+        with time_limit(1.0):
+            pass
+        assert PATIENCE / 2 < signal.getitimer(signal.ITIMER_REAL)[0] <= PATIENCE
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, *former)
