@@ -1,6 +1,7 @@
 """Executors for the stages `run` and `judge`: this process, a pool of processes, or Dask."""
 
 import faulthandler
+import gc
 import io
 import math
 import os
@@ -233,7 +234,7 @@ def call_in_child(function: Callable[[], Result]) -> Result:
             data = _answer_of_child(function)
         except TimeoutError:
             # A lock that another thread held during the fork is never released in the child. The
-            # next fork rarely meets a thread at the same place.
+            # next fork rarely finds the thread at the same place.
             continue
         result, error = pickle.loads(data)
         if error:
@@ -284,7 +285,10 @@ def _answer_of_child(function: Callable[[], object]) -> bytes:
 def _answer(function: Callable[[], object], writer: int, crash: Any) -> NoReturn:
     """Write the result of a function, or its error, into a pipe, and end this forked process."""
     try:
-        # The streams may be locked by a thread that the fork does not have.
+        # Garbage of the parent must not be finalized here: a session of Zenoh would wait forever for
+        # its threads, which the fork does not have, outside Python, where no time limit ends it.
+        gc.freeze()
+        # The streams may be locked by such a thread.
         sys.stdout = sys.stderr = io.StringIO()
         faulthandler.enable(crash, all_threads=False)
         try:

@@ -1,5 +1,7 @@
 """Functions in a fork of the grader, and time limits of blocks that do not compute."""
 
+import gc
+import os
 import signal
 import threading
 import time
@@ -81,3 +83,24 @@ def test_time_limit_keeps_the_timer_of_its_caller() -> None:
         assert PATIENCE / 2 < signal.getitimer(signal.ITIMER_REAL)[0] <= PATIENCE
     finally:
         signal.setitimer(signal.ITIMER_REAL, *former)
+
+
+def test_fork_does_not_finalize_objects_of_its_parent() -> None:
+    """The garbage collector of a fork closed sessions of Zenoh, which never returned."""
+    finalized = list[int]()
+
+    class Session:
+        def __init__(self) -> None:
+            self.cycle = self
+
+        def __del__(self) -> None:
+            finalized.append(os.getpid())
+
+    gc.disable()
+    try:
+        Session()
+        assert call_in_child(lambda: [gc.collect(), *finalized][1:]) == []
+    finally:
+        gc.enable()
+    gc.collect()
+    assert finalized == [os.getpid()]
