@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import ConsoleMessage, Locator, expect
 
 from course_lib.course.questions import read_prediction, read_quiz
 from course_lib.third_party import read_json
@@ -20,6 +20,7 @@ pytestmark = [pytest.mark.browser, pytest.mark.slow]
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
 RECALL = read_quiz("week01_recall")[0]
 GUESS = read_prediction("week01.ground").answers[0]
+LOGGED: list[str] = []  # by the page, as errors, after the notebook was reopened
 ENOUGH = 500  # [px] of the cube
 CELLS = (
     """\
@@ -124,9 +125,16 @@ def reopened(lab: Lab) -> Iterator[Notebook]:
         notebook.wait_idle()
         picture(notebook, "night_before")
         notebook.end()
+        notebook.page.on("console", log)
         notebook.open()
         notebook.page.wait_for_timeout(3000)  # [ms]; views ask for their models for 2 s
         yield notebook
+        notebook.page.remove_listener("console", log)
+
+
+def log(message: ConsoleMessage) -> None:
+    if message.type == "error":
+        LOGGED.append(message.text)
 
 
 def has_grey_pixels(view: Locator) -> bool:
@@ -213,6 +221,13 @@ def test_reopened_rqt_view_and_sliders_show_their_last_state(reopened: Notebook)
     cell.locator("i").get_by_text("words of my own").wait_for()
     expect(cell.locator(".widget-readout")).to_have_text("7")
     picture(reopened, "night_own_widget")
+
+
+def test_missing_widgets_of_a_reopened_notebook_are_not_logged_as_errors(reopened: Notebook) -> None:
+    for source in ("viewer.add", "quiz(", "check(", "far below"):
+        saved(reopened.cell(source))
+    reopened.page.wait_for_timeout(3000)  # [ms]; the renderer waits 2 s for a model
+    assert [text for text in LOGGED if "model not found" in text] == []
 
 
 def test_continue_button_runs_the_required_cells_and_the_view_is_live_again(reopened: Notebook) -> None:

@@ -7,6 +7,8 @@
   const UNTRUSTED = "application/x.course-lib.untrusted-widget"; // of a notebook that came from another computer
   const SAVED_TYPES = ["text/html", "image/png", "text/plain"]; // in the order of preference
   const WIDGET_TIMEOUT = 600; // [ms] that a widget may take to appear before the saved picture is shown
+  const MODEL_TIMEOUT = 2000; // [ms] that a widget's model may take to arrive, as in jupyterlab-widgets
+  const RESTORE_TIMEOUT = 10000; // [ms] that JupyterLab may take to start a kernel and to ask it for its widgets
   const BARE_REPR = /^\w+\(\w+=/; // text/plain of a widget for which nothing was saved
   const NO_SAVED_OUTPUT = "A control was here. Run its cell to use it again.";
   const CONTINUE = "Continue here";
@@ -142,6 +144,20 @@
     document.head.append(style);
   }
 
+  /**
+   * Wait for a widget's model as its renderer does, and return false if it is missing. The renderer would log an error
+   * for each saved widget without a kernel, and an author or student who looks at the console would search for a fault.
+   */
+  async function waitForModel(renderer, id) {
+    const manager = await renderer._manager?.promise; // no public function returns it
+    for (let waited = 0; manager && !manager.has_model(id); waited += 100) {
+      // The renderer itself tries again when the widgets have been restored, and logs nothing until then.
+      if (waited >= (manager.restoredStatus ? MODEL_TIMEOUT : RESTORE_TIMEOUT)) return !manager.restoredStatus;
+      await new Promise((done) => setTimeout(done, 100)); // [ms]
+    }
+    return true;
+  }
+
   /** Have all widgets' outputs fall back to what was saved, and say below them that their kernel has ended. */
   function showSavedWithoutWidget(app, rendermime, tracker) {
     /** The models of outputs of widgets. */
@@ -162,7 +178,7 @@
         if (newest && !this.isDisposed && !this.widgets.length) showSaved(app, tracker, rendermime, this, newest, line);
       };
       const late = setTimeout(showUnlessThere, WIDGET_TIMEOUT);
-      await render.call(this, model);
+      if (!id || (await waitForModel(this, id))) await render.call(this, model);
       clearTimeout(late);
       showUnlessThere();
       const showClosed = () => models.get(this)?.metadata["image/png"]?.fromPage && showUnlessThere(VIEW_CLOSED);
