@@ -22,13 +22,14 @@ from course_lib.grading.vocabulary.check_function import (
     name_hint,
     received_messages,
 )
-from course_lib.grading.vocabulary.markers import ADD, bound_marker, iter_markers
+from course_lib.grading.vocabulary.markers import ADD, SHORT_LIFETIME, bound_marker, iter_markers, lifetime
 from course_lib.grading.vocabulary.values import compare
 from course_lib.ros.graph.graph import START_NS
 from course_lib.ros.messages import to_plain, type_name
 
 LONGEST_GAP = 2  # maximum gap between two messages, in periods of the rate
 DELIVERY = 0.05  # [s] allowed delay from publishing to recording
+LIFETIME_MARGIN = 0.05  # of a period, by which a lifetime may be too short
 STATING = ("expect_rate", "expect_throughout")
 NOT_ALL_THE_TIME = "a topic is not published all the time"
 FALLS_SILENT = "a topic falls silent temporarily"
@@ -128,7 +129,8 @@ def expect_rate(
 
     Messages with equal times count once, and have to differ in a name, a frame or an id, like the
     markers of one callback. With `by_marker`, each marker needs this rate, by its ns and id;
-    markers that are published once only count as in a topic without `by_marker`.
+    markers that are published once only count as in a topic without `by_marker`. A marker's
+    lifetime must not be shorter than the period, or the marker blinks.
     """
     end = evidence.seconds if end is None else end
     received = [pair for pair in received_messages(evidence, topic) if begin <= pair[0] <= end]
@@ -152,7 +154,19 @@ def expect_rate(
                 text = f"{found[0].message}: the markers take turns"
                 return [Problem(text, "markers take turns")]
             return found
-    return [] if repeated else _rate_problems(times, topic, hz, tolerance, begin, end)
+    if not repeated and (found := _rate_problems(times, topic, hz, tolerance, begin, end)):
+        return found
+    return _blinking_problems(evidence, topic, 1 / hz)
+
+
+def _blinking_problems(evidence: Evidence, topic: str, period: float) -> list[Problem]:
+    """Return the problem of a marker that vanishes before the next message, after `period` [s]."""
+    for _, marker in iter_markers(evidence, topic):
+        if marker.action == ADD and 0 < lifetime(marker) < period * (1 - LIFETIME_MARGIN):
+            text = f"the marker {marker.ns}/{marker.id} blinks: it is published every "
+            text += f"{format_number(period, 's')} with a lifetime of {format_number(lifetime(marker), 's')}"
+            return [Problem(text, SHORT_LIFETIME)]
+    return []
 
 
 def _repetition_problems(received: list[tuple[float, Any]], topic: str) -> list[Problem]:
