@@ -229,7 +229,7 @@ def rehearse(rehearsal: Rehearsal, course: Course) -> RehearsalResult:
 
 
 def count_options(tasks: Iterable[Task]) -> int:
-    """Return the largest number of combinations of options of any task, at most MOST."""
+    """Return the number of combinations of personal values of the task with most, at most MOST."""
     return max((min(_count_combinations(task), MOST) for task in tasks), default=1)
 
 

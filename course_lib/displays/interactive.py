@@ -443,7 +443,7 @@ class SceneMarker:
         return _IDENTITY if is_fixed else frames.transform(self._frame)
 
     def update(self, is_changed: bool = False) -> None:
-        """Follow the reference frame and the camera; place the contents if one has changed."""
+        """Place the marker again if its reference frame or the camera has moved, or `is_changed`."""
         scene, frames = self._context.scene, self._context.frames
         reference = self._reference_now()
         before, self._last_view = self._last_view, (reference, scene.camera)

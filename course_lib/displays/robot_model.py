@@ -531,7 +531,7 @@ class RobotModelDisplay(TopicDisplay):
         self._update_joint_check_boxes()
 
     def _update_joint_check_boxes(self) -> None:
-        """Set the check box of each joint by its links, which can also be hidden one by one."""
+        """Tick the check boxes of the joints below which all links are visible."""
         for joint, switches in self._switches.items():
             if f"Joints/{joint}" in self._values:
                 self._values[f"Joints/{joint}"] = all(self[switch] for switch in switches)

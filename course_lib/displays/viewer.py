@@ -300,7 +300,7 @@ class Viewer(KnownAttributes):
         scene: Scene | SceneRecording = self.scene_recording if playback else self.scene
         seconds = round(self.scene_recording.duration) if playback else 0
         subject = f"{seconds} s of robot time" if seconds else "the view"
-        # A history of two minutes takes seconds.
+        # Saving a history of two minutes takes seconds.
         print_notice(f"Saving {subject} …")
         size = save_html(scene, path, title=f"Viewer: {self.fixed_frame}").stat().st_size
         how = "right-click it in the file browser, Open in New Browser Tab"

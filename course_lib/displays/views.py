@@ -127,7 +127,7 @@ class ViewController(PropertyHolder):
         self.on_change()
 
     def set_from_camera(self, camera: Camera) -> None:
-        """Set the properties from a camera that the user turned, without sending it again."""
+        """Set the properties from a camera that the user moved, without sending it back to the page."""
         self.set_without_callback(
             self._values_for(camera, np.subtract(camera.target, camera.eye), self._target)
         )

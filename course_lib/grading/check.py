@@ -177,7 +177,7 @@ def _mix_up_note(
 
 
 def stale_note(subject: Any, cells: Sequence[str]) -> list[str]:
-    """Return a line if the newest cell that defines the object failed, so that an older one counts.
+    """Return a hint if the newest cell that defines the object failed, so an older object is checked.
 
     Args:
         subject: The student's object.

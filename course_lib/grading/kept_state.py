@@ -160,7 +160,7 @@ def _aliases(function: Function) -> dict[str, str]:
 
 
 def _resolve(node: ast.AST, aliases: dict[str, str]) -> str:
-    """Return the source of an expression. A first name that is an alias becomes its attribute."""
+    """Return the source of an expression, with an alias at its beginning replaced by its attribute."""
     root, dot, rest = ast.unparse(node).partition(".")
     return aliases.get(root, root) + dot + rest
 

@@ -160,7 +160,7 @@ class Submission:
         values_of: The student whose personal values count; None is a guest.
         id_flag: A short description of a problem with the ID in the file, or "".
         id_note: The same as a sentence.
-        others: The student's other files of the exercise, which do not count.
+        uncounted_files: The student's other files of the exercise, which do not count.
         reason: A keyword for the problem, if it is not the file's.
         relative_path: The file's path in the folder of submissions.
         counts: Which of several files counts.
@@ -183,7 +183,7 @@ class Submission:
     values_of: str | None = None
     id_flag: str = ""
     id_note: str = ""
-    others: tuple[str, ...] = ()
+    uncounted_files: tuple[str, ...] = ()
     reason: str = ""
     relative_path: str = ""
     counts: Counts = "last"
@@ -205,10 +205,12 @@ class Submission:
             notes.append(
                 f"several files have the ID {self.student}, in {', '.join(self.rivals)}: this one counts"
             )
-        if self.others and self.counts == "best":
-            notes.append(f"the best of these counts: {', '.join((*self.others, self.relative_path))}")
-        elif self.others:
-            notes.append(f"{self.relative_path} counts, not {', '.join(self.others)}")
+        if self.uncounted_files and self.counts == "best":
+            notes.append(
+                f"the best of these counts: {', '.join((*self.uncounted_files, self.relative_path))}"
+            )
+        elif self.uncounted_files:
+            notes.append(f"{self.relative_path} counts, not {', '.join(self.uncounted_files)}")
         if self.rejected_files:
             notes.append(f"not collected: {', '.join(self.rejected_files)}")
         notes += self.received.notes

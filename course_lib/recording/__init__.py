@@ -481,8 +481,8 @@ def bag_metadata(folder: Path) -> dict[str, Any]:
 
     try:
         text = read_text(folder / METADATA)
-        # The loader in C, where it is available: the Python one takes a second for a line of nested
-        # brackets.
+        # PyYAML's C loader is used if it is available, because its Python loader takes a second for a
+        # line of nested brackets.
         loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
         about = dict(yaml.load(text, loader)["rosbag2_bagfile_information"])
         return about | {"relative_file_paths": [str(name) for name in about["relative_file_paths"]]}

@@ -150,7 +150,7 @@ def read_map(path: Path) -> OccupancyGrid:
     settings = read_settings(path)
     if not os.path.exists(settings.image):
         name, text = settings.image.name, f"{path}: image: {settings.image} does not exist."
-        # The file was written on another computer, with the path of the image there.
+        # A file from another computer may contain the path of the image on that computer.
         if os.path.isfile(path.with_name(name)):
             text += f" It is next to {path.name}: write image: {name}"
         else:

@@ -300,7 +300,7 @@ def _table_hint(error: BaseException, text: str) -> str:
             steps = [step.f_locals for step, _ in walk_tb(error.__traceback__)]
             callback = next((names["callback"] for names in steps[::-1] if "callback" in names), None)
             name = getattr(callback, "__name__", "")
-            method = name if isinstance(name, str) and name.isidentifier() else "heard"
+            method = name if isinstance(name, str) and name.isidentifier() else "on_message"
             return row.hint.format(*groups, call=calls[-1], method=method)
     return ""
 
@@ -585,7 +585,7 @@ _CREATE_CALLS = {
     "create_service": "self.create_service(AddTwoInts, '/a_service', self.answer)",
     "create_client": "self.create_client(AddTwoInts, '/a_service')",
     "create_publisher": "self.create_publisher(Marker, '/a_topic', 10)",
-    "create_subscription": "self.create_subscription(Marker, '/a_topic', self.heard, 10)",
+    "create_subscription": "self.create_subscription(Marker, '/a_topic', self.on_message, 10)",
     "ActionServer": "ActionServer(self, Fibonacci, '/an_action', self.execute)",
     "ActionClient": "ActionClient(self, Fibonacci, '/an_action')",
 }

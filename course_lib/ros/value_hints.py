@@ -429,7 +429,8 @@ def _waiting_hint(error: BaseException, text: str) -> str:
         if isinstance(function, ast.FunctionDef) and _keeps_message(function, name):
             text = f"{name} is None until {function.name} has run: write"
             return f"{text} `if {name} is None: return` before this line."
-    # self.marker = self.new_stripe(1), where the method sets self.marker itself.
+    # A typical mistake is self.marker = self.new_stripe(1) with a method that sets self.marker itself
+    # and returns nothing.
     without_result = {
         part.name
         for part in ast.walk(tree)

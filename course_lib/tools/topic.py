@@ -312,7 +312,7 @@ def _echo(source: Source, arguments: Namespace, write: Write) -> None:
     start_ns, has_received, limit = source.graph.now_ns, False, None if arguments.once else source.limit()
     limits = StreamLimits(idle_seconds=SILENCE_LIMIT, seconds=arguments.timeout or limit)
     with until_interrupted():
-        for heard_ns, arrival in source.stream({(topic, kind): qos}, limits):
+        for received_ns, arrival in source.stream({(topic, kind): qos}, limits):
             has_received = True
             # These limits have no ticks, and only ticks are None.
             assert arrival is not None
@@ -323,7 +323,7 @@ def _echo(source: Source, arguments: Namespace, write: Write) -> None:
             if arguments.include_message_info:
                 # Times [ns] and sequence numbers, in the order of ROS. The numbers are None, as for
                 # RMWs without them.
-                info = {"source_timestamp": arrival.stamp_ns, "received_timestamp": heard_ns}
+                info = {"source_timestamp": arrival.stamp_ns, "received_timestamp": received_ns}
                 info |= {"publication_sequence_number": None, "reception_sequence_number": None}
             write(_text(selected, arguments, info))
             if arguments.once:

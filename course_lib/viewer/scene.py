@@ -303,7 +303,8 @@ def _middle(scene: Scene, path: str, drawable: drawables.Drawable) -> str:
     return f"({x:g}, {y:g}, {z:g})"
 
 
-# The number of points from which on a few far ones are ignored, as a laser scanner measures them.
+# Clouds with more points than this may have a few far outliers, as of a laser scanner, which are
+# ignored.
 _MANY = 50
 # Percentiles of each coordinate that bound many points.
 _MOST = (2.0, 98.0)

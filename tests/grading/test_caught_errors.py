@@ -49,7 +49,7 @@ def test_error_not_caught_by_a_catch_all_handler_is_not_a_mistake(body: str) -> 
     assert caught(body).mistake == ""
 
 
-def test_error_that_may_be_expected_is_kept_apart() -> None:
+def test_possibly_expected_error_is_reported_separately_from_mistakes() -> None:
     found = caught("import math\ntry:\n    math.acos(2)\nexcept Exception:\n    pass")
     assert found.mistake == ""
     assert "ValueError: math domain error" in found.other

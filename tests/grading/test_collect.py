@@ -197,7 +197,7 @@ def test_student_whose_name_has_a_directional_override_is_collected(
     assert collected_files(tmp_path / "out") == [f"participant8/{NAME}", "received.csv"]
 
 
-def test_lines_show_spaces_and_joiners_of_names_and_no_control_characters() -> None:
+def test_control_characters_are_replaced_but_spaces_and_joiners_kept() -> None:
     name = "\u5c71\u3000\u592a \u0639\u200c\u0631"
     assert replace_controls(f"{name}\u202e\x1b[31m\u200f") == f"{name}\ufffd\ufffd[31m\ufffd"
 

@@ -202,7 +202,7 @@ def test_named_components_of_a_value_are_reported_by_name(
         (141.0, 142.0, "1.00 too little", "a value is wrong"),
     ],
 )
-def test_other_unit_and_missing_fraction_are_kinds_of_their_own(
+def test_wrong_unit_and_missing_fraction_are_distinguished_from_other_wrong_values(
     evidence: MakeEvidence, value: float, expected: float, message: str, mistake: str
 ) -> None:
     verdict = expect_value(expected).judge(evidence(returns=(value,)))

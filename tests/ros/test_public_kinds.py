@@ -340,7 +340,7 @@ KINDS = {
 
 @pytest.mark.sample(5)
 @pytest.mark.parametrize("name", KINDS)
-def test_public_pattern_has_the_outcome_of_ros(name: str, tmp_path: Path) -> None:
+def test_public_usage_pattern_has_the_same_output_as_in_ros(name: str, tmp_path: Path) -> None:
     kind = KINDS[name]
     for path, content in kind.files.items():
         file = tmp_path / path

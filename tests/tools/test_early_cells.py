@@ -47,6 +47,6 @@ def test_kernel_without_a_notebook_has_no_cells_above(shell: Any, monkeypatch: p
     assert line_that_defines(shell, "viewer") == ""
 
 
-def test_cell_of_no_saved_notebook_has_no_cells_above(shell: Any) -> None:
+def test_cell_of_an_unsaved_notebook_has_no_cells_above(shell: Any) -> None:
     shell.get_parent = lambda: {"metadata": {"cellId": "new"}, "content": {"code": "a = 1"}}
     assert line_that_defines(shell, "viewer") == ""

@@ -46,7 +46,7 @@ def test_view_whose_pictures_are_all_slow_becomes_coarser(tmp_path: Path) -> Non
     assert levels(tmp_path, [90] * 2)[-1] == 5
 
 
-def test_view_on_a_busy_machine_becomes_coarser_until_pictures_are_cheap(tmp_path: Path) -> None:
+def test_view_on_a_busy_machine_becomes_coarser_until_drawing_is_fast(tmp_path: Path) -> None:
     """Other programs delay most pictures; the least time is what drawing itself costs."""
     assert levels(tmp_path, [7, 40, 35, 30] * 8)[-1] == 5
     assert levels(tmp_path, [3, 40, 35, 30] * 8)[-1] == 3

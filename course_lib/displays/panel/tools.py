@@ -141,7 +141,7 @@ class SetInitialPose(SetGoal):
 
 
 def all_tools() -> tuple[Tool, ...]:
-    """Create the tools, in RViz's order and with its keys."""
+    """Create the tools in RViz's order, with its shortcut keys."""
     return (
         Tool("Interact", "Interact", "i", "interact", Property("Hide Inactive Objects", True, flag)),
         Tool("MoveCamera", "Move Camera", "m", "camera"),

@@ -145,7 +145,7 @@ class WorkerProcess:
 
     def __init__(self, template: TemplateProcess, limits: Limits, cells: Sequence[str]) -> None:
         self._template = template
-        # Known after `close`.
+        # These are set by `close`.
         self.usage = Usage()
         self.excess: Excess | None = None
         imports = [module for word, module in HEAVY.items() if any(word in cell for cell in cells)]

@@ -108,7 +108,7 @@ def numbered_lines(cell: str) -> list[str]:
 # Most cells of a class are unchanged cells of the course.
 @lru_cache(maxsize=20_000)
 def normalize_tokens(cell: str) -> tuple[Token, ...]:
-    """Return the tokens of a cell without comments, imports and prints, with own names replaced by V."""
+    """Return a cell's tokens without comments, imports and prints, with the student's names as V."""
     raw = list(lex(cell))
     own_names = set(_own_names(raw))
     return tuple(
@@ -509,7 +509,7 @@ def copies_page(
     released: ReleasedCode,
     zone: ZoneInfo,
 ) -> str:
-    """Return the page of one exercise, with all student text escaped, and times in a zone."""
+    """Return the page of one exercise, with all student text escaped, and times in `zone`."""
     times = {
         name: datetime.fromisoformat(work.received).astimezone(zone).isoformat(" ", "minutes")
         for name, work in works.items()

@@ -356,7 +356,7 @@ def sort_submissions(
     last = replace(
         order[-1],
         rivals=tuple(sorted(places)) if len(places) > 1 else (),
-        others=tuple(f"{name} ({problem})" if problem else name for name, problem in others),
+        uncounted_files=tuple(f"{name} ({problem})" if problem else name for name, problem in others),
         counts=counts,
     )
     claims = {} if owned else {_base_name(file): file.sha256 for file in order if file.is_exercise}

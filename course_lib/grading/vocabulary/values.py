@@ -281,8 +281,8 @@ def _is_permutation(value: list[Any], expected: list[Any], tolerance: float) -> 
         if place is None:
             return False
         del left[place]
-    # Equal values, such as the zeros of a color, are more often
-    # computed so than returned in another order.
+    # If items are equal, such as the zeros of a color, a wrong list with the same items is more often
+    # a wrong result than a wrong order.
     return len({str(item) for item in expected}) == len(expected)
 
 

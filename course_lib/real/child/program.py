@@ -245,8 +245,8 @@ def wait_for_connections(nodes: Sequence[Any], inputs: Sequence[str]) -> None:
     publishers = [p for node in nodes for p in node.publishers if p.topic_name not in OWN_TOPICS]
     deadline = time.monotonic() + CONNECT_SECONDS
     while time.monotonic() < deadline:
-        are_heard = all(publisher.get_subscription_count() for publisher in publishers)
-        if are_heard and all(nodes[0].count_publishers(topic) for topic in inputs):
+        are_connected = all(publisher.get_subscription_count() for publisher in publishers)
+        if are_connected and all(nodes[0].count_publishers(topic) for topic in inputs):
             return
         time.sleep(0.01)
 

@@ -108,7 +108,7 @@ class Submessage(NamedTuple):
         return read_sequence_number(self.body, at, self.order)
 
     def numbers(self, at: int, base: int) -> list[int]:
-        """Decode the bitmap of numbers at a position."""
+        """Decode a set of sequence or fragment numbers: a bitmap at a position, relative to `base`."""
         (count,) = self.unpack("I", at)
         if count > MAX_SET:
             raise ValueError(f"a set of {count} numbers")

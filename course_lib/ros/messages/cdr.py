@@ -428,7 +428,7 @@ def serialize(message: RosMessage) -> bytes:
     try:
         return pack(message)
     except (AttributeError, TypeError, ValueError, StructError):
-        # A valid value can bypass the setters, too: a list in `_data` is no array yet.
+        # A valid value can bypass the setters, too, such as a list in `_data` instead of an array.
         try:
             complete = _set_again(message)
         except AssertionError as complaint:

@@ -362,7 +362,7 @@ class _InterfaceTypesFinder(Loader):
 
 
 def _interface_folders(package: str, path: Sequence[str]) -> Iterator[Path]:
-    """Yield possible folders of a package's interface files, with parents of its Python folder."""
+    """Yield the folders that may contain a package's interface files: `path`, and their parents."""
     # Imported late because only programs with their own interface files need it.
     from course_lib.ros.programs.packages import MANIFEST, name_of
 

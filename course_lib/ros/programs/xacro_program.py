@@ -178,7 +178,7 @@ def _report_calls_without_prefix(path: Path) -> None:
 
 
 def _file_of_error(path: Path, errors: str) -> Path:
-    """Return the file that xacro's message names, such as an included one."""
+    """Return the file to which xacro's error message refers, such as an included file."""
     match = re.search(r"(?:processing|in) file: (.+)", errors)
     file = Path(match[1].strip()) if match else path
     return file if file.is_file() else path

@@ -174,7 +174,7 @@ class StopCommand:
             self.publisher.put(cdr)
 
     def stop(self, older_than: float = 0.0) -> None:
-        """Stop the robot if its last command is older than `older_than` [s]. Repeat a lost stop."""
+        """Stop the robot if its last command is older than `older_than` [s]. Resend a lost stop."""
         with self._mutex:
             now, is_matched = wall.monotonic(), self.publisher.is_matched()
             # Zenoh may report the first match after the first command was sent.

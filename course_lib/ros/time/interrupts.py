@@ -65,7 +65,7 @@ class Callback:
 
 
 def write_once(callback: Callback, line: str) -> None:
-    """Write to the cell's output, once, which line keeps a node busy."""
+    """Report the line that keeps a node busy in the cell's output, once per callback."""
     if not callback.is_reported:
         callback.is_reported = True
         sys.stdout.write(

@@ -266,8 +266,8 @@ class RobotMonitorView(RqtView):
         return head + timeline + tree + details
 
     def _level(self, path: str) -> str:
-        heard_ns, status = self._statuses[path]
-        is_stale = self.graph.now_ns - heard_ns > STALE_NS
+        received_ns, status = self._statuses[path]
+        is_stale = self.graph.now_ns - received_ns > STALE_NS
         return "stale" if is_stale else _LEVELS[min(status.level[0], 3)]
 
     def worst_level(self, path: str) -> str:

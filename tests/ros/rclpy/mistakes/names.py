@@ -300,7 +300,7 @@ NAMES = [
     (
         "node.subscribe('a', String, print)",
         "AttributeError: 'Node' object has no attribute 'subscribe'",
-        "write `self.create_subscription(Marker, '/a_topic', self.heard, 10)`.",
+        "write `self.create_subscription(Marker, '/a_topic', self.on_message, 10)`.",
     ),
     (
         "node.publish(String())",

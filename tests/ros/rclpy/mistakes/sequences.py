@@ -488,7 +488,8 @@ SEQUENCES = [
     (
         "import numpy as np\nnp.interp(0.25, 3.0, 5.0)",
         "ValueError: object of too small depth for desired array",
-        "np.interp takes two lists, places and their values: `np.interp(0.25, [0.0, 1.0], [3.0, 5.0])`.",
+        "np.interp takes two lists, x coordinates and their values: "
+        "`np.interp(0.25, [0.0, 1.0], [3.0, 5.0])`.",
     ),
     (
         "import numpy as np\nnp.arctan2(1.0)",

@@ -12,7 +12,8 @@ TOPICS = [
         "node.create_subscription(String, 'chatter', lambda: None, 10)",
         "RuntimeError: Subscription.__init__(): callback should be either be callable with one "
         "argument(to get only the message) or two (to get message and message info)",
-        "the callback gets the message: write `def heard(self, msg)`, and pass `self.heard`, without ().",
+        "the callback gets the message: write `def on_message(self, msg)`, and pass "
+        "`self.on_message`, without ().",
     ),
     (
         "class Robot(Node):\n"
@@ -28,7 +29,8 @@ TOPICS = [
         "node.create_subscription(String, 'chatter', print('heard'), 10)",
         "RuntimeError: Subscription.__init__(): callback should be either be callable with one "
         "argument(to get only the message) or two (to get message and message info)",
-        "the callback gets the message: write `def heard(self, msg)`, and pass `self.heard`, without ().",
+        "the callback gets the message: write `def on_message(self, msg)`, and pass "
+        "`self.on_message`, without ().",
     ),
     (
         "node.create_publisher(String, 'chatter', 10).publish('hello')",
@@ -158,7 +160,7 @@ TOPICS = [
         "node.create_subscription(String, print, 'chatter', 10)",
         "TypeError: rclpy_resolve_name(): incompatible function arguments.",
         "pass the type first, then the name in quotes: "
-        "`self.create_subscription(Marker, '/a_topic', self.heard, 10)`.",
+        "`self.create_subscription(Marker, '/a_topic', self.on_message, 10)`.",
     ),
     (
         "node.create_publisher(String, 'chatter', 10).publish(print())",
@@ -184,7 +186,7 @@ TOPICS = [
         "node.create_subscription(Marker, '/chatter', 10)",
         "TypeError: Node.create_subscription() missing 1 required positional argument: 'qos_profile'",
         "the callback is missing before the depth: `self.create_subscription(Marker, "
-        "'/a_topic', self.heard, 10)`.",
+        "'/a_topic', self.on_message, 10)`.",
     ),
     (
         "class Robot(Node):\n"
