@@ -557,26 +557,26 @@ class InteractiveMarkersDisplay(Display):
         marker = self._marker_at(path)
         return None if marker is None else marker.message
 
-    def use(self, order: UseControl) -> tuple[MenuItem, ...]:
+    def use(self, command: UseControl) -> tuple[MenuItem, ...]:
         """Drag or click the control below a page's pointer, and return the menu that this opens.
 
         Controls that no longer exist are ignored.
         """
-        marker = self._marker_at(order.path)
+        marker = self._marker_at(command.path)
         controls = [] if marker is None else marker.controls
-        control = next((c for c in controls if f"{order.path}/".startswith(f"{c.path}/")), None)
+        control = next((c for c in controls if f"{command.path}/".startswith(f"{c.path}/")), None)
         if marker is None or control is None:
             return ()
-        point = None if order.point is None else np.array(order.point)
-        if order.button == _LEFT and order.event == "down":
-            marker.press(control, _pointer(order), point)
-        elif order.button == _LEFT and order.event == "move":
-            marker.drag(_pointer(order), order.shift, order.ctrl)
-        elif order.button == _LEFT:
+        point = None if command.point is None else np.array(command.point)
+        if command.button == _LEFT and command.event == "down":
+            marker.press(control, _pointer(command), point)
+        elif command.button == _LEFT and command.event == "move":
+            marker.drag(_pointer(command), command.shift, command.ctrl)
+        elif command.button == _LEFT:
             marker.release(control, point)
         mode = control.message.interaction_mode
-        is_asked = order.button == _RIGHT or (order.button == _LEFT and mode == motion.MENU)
-        if order.event != "up" or not is_asked:
+        is_asked = command.button == _RIGHT or (command.button == _LEFT and mode == motion.MENU)
+        if command.event != "up" or not is_asked:
             return ()
         marker.menu_request = control.message.name, point
         return tuple(_items(marker.message.menu_entries))
@@ -680,19 +680,19 @@ class InteractiveMarkersDisplay(Display):
         marker.shows_aids = self["Show Visual Aids"]
 
 
-def _pointer(order: UseControl) -> motion.Pointer:
-    """Return the pointer of a page's order, in the fixed frame."""
-    direction = np.array(order.direction)
-    if not direction.any() or order.pixel <= 0:
+def _pointer(command: UseControl) -> motion.Pointer:
+    """Return the pointer of a page's command, in the fixed frame."""
+    direction = np.array(command.direction)
+    if not direction.any() or command.pixel <= 0:
         raise CourseError(
-            f"The page's ray {order.direction} with pixels of {order.pixel} m has no direction."
+            f"The page's ray {command.direction} with pixels of {command.pixel} m has no direction."
         )
     return motion.Pointer(
-        origin=np.array(order.origin),
+        origin=np.array(command.origin),
         direction=direction / np.linalg.norm(direction),
-        axes=motion.axes_of(Camera(order.eye, order.target, order.up)),
-        pixel=order.pixel,
-        is_orthographic=bool(order.scale),
+        axes=motion.axes_of(Camera(command.eye, command.target, command.up)),
+        pixel=command.pixel,
+        is_orthographic=bool(command.scale),
     )
 
 

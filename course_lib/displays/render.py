@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from course_lib.displays.frames import NS
 from course_lib.displays.layout import read_layout
 from course_lib.displays.markers import ADD, MARKER, MARKER_ARRAY
-from course_lib.displays.panel.desk import Desk, Playback, TimePanel
+from course_lib.displays.panel.panels import PanelController, Playback, TimePanel
 from course_lib.displays.session import TF, RvizSession
 from course_lib.displays.statuses import exceptions_as_status
 from course_lib.displays.viewer import Viewer
@@ -182,7 +182,7 @@ def view(
     session = session_for(recording, rviz)
     session.refresh()
     server = PageServer(session.context.scene, f"course view: {bag or rviz or 'a grid'}", port, token)
-    Desk(session, server.link)
+    PanelController(session, server.link)
     playback = Playback(session, recording)
     time_panel = TimePanel(session, server.link, playback) if bag else None
     server.listen()

@@ -21,7 +21,7 @@ from course_lib.viewer.scene_recording import SceneRecording
 _MODULES = (
     "decode", "encode", "icons", "materials", "quality", "coarse", "studio", "surfaces", "billboards",
     "orbit", "insets", "labels", "mirror", "renderer", "panels/elements", "view", "panels/time",
-    "panels/editors", "panels/tree", "panels/gestures", "panels/panels", "panels/desk", "panels/place",
+    "panels/editors", "panels/tree", "panels/gestures", "panels/panels", "panels/frame", "panels/place",
     "recording", "player", "link", "page", "socket",
 )  # fmt: skip
 _FOLDER = Path(__file__).parent / "js"
@@ -58,8 +58,8 @@ class Bundle(NamedTuple):
 @cache
 def bundle() -> Bundle:
     """Return the viewer's script."""
-    style = json.dumps(re.sub(r"\s+", " ", (_FOLDER / "panels" / "desk.css").read_text("utf-8")))
-    scripts = [f"const DESK_STYLE = {style};"]
+    style = json.dumps(re.sub(r"\s+", " ", (_FOLDER / "panels" / "panels.css").read_text("utf-8")))
+    scripts = [f"const PANEL_STYLE = {style};"]
     for name in _MODULES:
         # All modules form one function, so their imports and exports are removed. Comments,
         # blank lines and indentation are removed because each page with a view holds the script.

@@ -59,5 +59,5 @@ def bench(host: Host, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterat
         yield made
         if PICTURES:
             name = os.environ["PYTEST_CURRENT_TEST"].split("::")[1].split(" ")[0]
-            host.page.screenshot(path=Path(PICTURES) / f"desk_{name}.png")
+            host.page.screenshot(path=Path(PICTURES) / f"panels_{name}.png")
         made.viewer.close()

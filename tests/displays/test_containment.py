@@ -10,7 +10,7 @@ from std_msgs.msg import String
 
 from course_lib.displays import statuses
 from course_lib.displays.display import Display, DrawnDisplay
-from course_lib.displays.panel.desk import Desk
+from course_lib.displays.panel.panels import PanelController
 from course_lib.displays.registry import REGISTRY, OwnDisplay, register
 from course_lib.displays.statuses import DisplayFaultWarning
 from course_lib.displays.viewer import Viewer
@@ -239,9 +239,9 @@ class Page:
 def test_exception_during_a_page_request_is_shown_in_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
     bench, _ = bench_with("message_at", monkeypatch)
     page: Any = Page()
-    Desk(bench.session, page)
+    PanelController(bench.session, page)
     with pytest.warns(DisplayFaultWarning):
-        page.listeners["desk"]({"act": "SelectObject", "path": FINE, "index": 0})
+        page.listeners["panels"]({"act": "SelectObject", "path": FINE, "index": 0})
     notice = page.posted[-1]["changed"]["notice"]
     assert notice["level"] == "error"
     assert "KeyError: 'in message_at'" in notice["text"]

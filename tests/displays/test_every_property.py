@@ -30,7 +30,7 @@ SILENT = {
     "Links/Expand Link Details": "opens rows of the panel",
     "Links/Expand Tree": "opens rows of the panel",
     "Links/Link Tree Style": "arranges rows of the panel; see robot_model/test_display",
-    "Selectable": "is for the Select tool; see test_desk",
+    "Selectable": "is for the Select tool; see test_panels",
     "Visibility": "names other displays; see test_camera",
     "LaserScan: Use Fixed Frame": "scans are projected into the fixed frame, so both are one",
     "Accept NaN Values": "is for messages with NaN; see test_screws",

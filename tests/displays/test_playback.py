@@ -3,7 +3,7 @@ from typing import Any
 
 import pytest
 
-from course_lib.displays.panel.desk import Playback, TimeChange
+from course_lib.displays.panel.panels import Playback, TimeChange
 from course_lib.displays.render import record_bag, replay, session_for
 from course_lib.recording import Recording
 from course_lib.viewer.html import save_html

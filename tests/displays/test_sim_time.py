@@ -10,7 +10,7 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
 from course_lib import Viewer
-from course_lib.displays.panel.desk import LiveTime
+from course_lib.displays.panel.panels import LiveTime
 from course_lib.displays.panel.protocol import PublishGesture
 from course_lib.displays.panel.tools import publish
 from course_lib.ros.graph.graph import Graph, use_graph

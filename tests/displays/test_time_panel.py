@@ -3,7 +3,7 @@ from typing import Any
 import pytest
 
 from course_lib.displays.frames import ViewTime
-from course_lib.displays.panel.desk import LiveTime, Playback, TimeChange, TimePanel
+from course_lib.displays.panel.panels import LiveTime, Playback, TimeChange, TimePanel
 from course_lib.displays.session import RvizSession
 from course_lib.ros.graph.graph import Graph
 from course_lib.ros.time.pace import speed_of

@@ -53,7 +53,7 @@ def test_panels_follow_the_statuses(graph: Graph, monkeypatch: pytest.MonkeyPatc
     link = viewer._cell._view.link
     monkeypatch.setattr(link, "post", posted.append)
     viewer.fixed_frame = "moon"
-    link.receive({"type": "desk", "act": "OpenPanels", "page": "one", "number": 0})
+    link.receive({"type": "panels", "act": "OpenPanels", "page": "one", "number": 0})
     assert "Frame [moon] does not exist" in posted[-1]["changed"]["status"]["text"]
     viewer.close()
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 from msgspec import NODEFAULT
 from msgspec.structs import fields
 
-from course_lib.displays.panel import desk, protocol
+from course_lib.displays.panel import panels, protocol
 from course_lib.displays.views import DragRules
 from course_lib.viewer import html
 from course_lib.viewer.encoding import Message
@@ -21,11 +21,11 @@ _HEAD = "// Generated from Python's messages: python -m tests.viewer.declaration
 
 
 def declarations() -> str:
-    """Return the declarations of all messages, and of the union of the orders."""
-    written = [Click, DragRules, *_own(protocol), *_own(desk)]
-    names = [kind.__name__ for kind in get_args(protocol.AnyOrder)]
-    orders = "".join(f'\n  | ({{ act: "{name}" }} & {name})' for name in names)
-    return "\n".join([_HEAD, *map(_interface, written), f"export type Order ={orders};\n"])
+    """Return the declarations of all messages, and of the union of the commands."""
+    written = [Click, DragRules, *_own(protocol), *_own(panels)]
+    names = [kind.__name__ for kind in get_args(protocol.AnyCommand)]
+    commands = "".join(f'\n  | ({{ act: "{name}" }} & {name})' for name in names)
+    return "\n".join([_HEAD, *map(_interface, written), f"export type Command ={commands};\n"])
 
 
 def _own(module: Any) -> list[type]:
@@ -34,7 +34,7 @@ def _own(module: Any) -> list[type]:
 
 
 def _is_own(kind: type, module: Any) -> bool:
-    return issubclass(kind, Message) and kind.__module__ == module.__name__ and kind is not protocol.Order
+    return issubclass(kind, Message) and kind.__module__ == module.__name__ and kind is not protocol.Command
 
 
 def _interface(kind: type) -> str:

@@ -6,7 +6,7 @@ import weakref
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
-from course_lib.displays.panel.desk import Desk, LiveTime, TimePanel
+from course_lib.displays.panel.panels import LiveTime, PanelController, TimePanel
 from course_lib.displays.session import RvizSession
 from course_lib.displays.statuses import StatusTable
 from course_lib.errors import CourseError
@@ -139,10 +139,10 @@ class ViewerCell:
 
     def _add_panels(self, link: PageLink, close: Callable[[], None]) -> None:
         """Add RViz's panels to the view of a page."""
-        desk = Desk(self._session, link, self._graph)
+        controller = PanelController(self._session, link, self._graph)
         time_panel = TimePanel(self._session, link, LiveTime(self._graph, self._session.time))
         link.on_click.append(self._click)
-        self._close_callbacks += [desk.close, time_panel.close, close]
+        self._close_callbacks += [controller.close, time_panel.close, close]
 
     def _widget(self, viewer: object) -> "SceneWidget":
         """Return the view for a cell's output; it keeps the viewer alive as long as a page shows it."""

@@ -1,4 +1,4 @@
-"""The messages between the panels and their page: the state, its changes, and orders of the page.
+"""The messages between the panels and their page: the state, its changes, and commands of the page.
 
 ``viewer/js/protocol.d.ts`` is generated from these classes: ``python -m
 tests.viewer.declarations``.
@@ -29,11 +29,11 @@ class ContextMenu(Message, frozen=True):
     entries: tuple[MenuItem, ...] = ()
 
 
-class Order(Message, frozen=True, tag_field="act", tag=True):
-    """Base class of page orders. The field `act` contains the class name."""
+class Command(Message, frozen=True, tag_field="act", tag=True):
+    """Base class of the commands of a page. The field `act` contains the class name."""
 
 
-class UseControl(Order, frozen=True):
+class UseControl(Command, frozen=True):
     """The pointer acts on an interactive marker; points and rays are in the fixed frame [m]."""
 
     # Scene path of the pressed control.
@@ -57,7 +57,7 @@ class UseControl(Order, frozen=True):
     point: Vector | None = None
 
 
-class ChooseEntry(Order, frozen=True):
+class ChooseEntry(Command, frozen=True):
     """Choose an entry of an interactive marker's menu."""
 
     path: str
@@ -141,7 +141,7 @@ class StatusLine(Message, frozen=True):
 
 
 class Notice(Message, frozen=True):
-    """The response to the last order; the text is empty if there is none."""
+    """The response to the last command; the text is empty if there is none."""
 
     level: Literal["", "ok", "error"] = ""
     text: str = ""
@@ -197,7 +197,7 @@ class PanelState(Message, frozen=True):
     summary: str
 
 
-class PanelNews(Message, frozen=True):
+class PanelUpdate(Message, frozen=True):
     """The fields of the state and the rows that have changed, and the keys of removed rows."""
 
     changed: Annotated[Mapping[str, Any], "Partial<PanelState>"]
@@ -205,28 +205,28 @@ class PanelNews(Message, frozen=True):
     gone: tuple[str, ...]
 
 
-class OpenPanels(Order, frozen=True):
+class OpenPanels(Command, frozen=True):
     """A new page requests the whole state."""
 
 
-class LookAgain(Order, frozen=True):
+class RequestUpdate(Command, frozen=True):
     """Request an update."""
 
 
-class WatchRows(Order, frozen=True):
+class WatchRows(Command, frozen=True):
     """Start or stop requesting changed rows, because a panel was opened or closed."""
 
     watched: bool
 
 
-class SetValue(Order, frozen=True):
+class SetValue(Command, frozen=True):
     """Edit a row, or tick its box."""
 
     row: str
     value: Any
 
 
-class AddDisplay(Order, frozen=True):
+class AddDisplay(Command, frozen=True):
     """Add a display to the selected group."""
 
     # Class name of the display.
@@ -235,73 +235,73 @@ class AddDisplay(Order, frozen=True):
     row: str = ""
 
 
-class DuplicateDisplay(Order, frozen=True):
+class DuplicateDisplay(Command, frozen=True):
     """Add a copy of a display."""
 
     row: str
 
 
-class RenameRow(Order, frozen=True):
+class RenameRow(Command, frozen=True):
     """Change the name of a display or group."""
 
     row: str
     name: str
 
 
-class RemoveRow(Order, frozen=True):
+class RemoveRow(Command, frozen=True):
     """Remove a display or group."""
 
     row: str
 
 
-class SaveLayout(Order, frozen=True):
+class SaveLayout(Command, frozen=True):
     """Write an .rviz file into the notebook's folder."""
 
     name: str
 
 
-class LoadLayout(Order, frozen=True):
+class LoadLayout(Command, frozen=True):
     """Open an .rviz file in the notebook's folder."""
 
     name: str
 
 
-class ChangeView(Order, frozen=True):
+class ChangeView(Command, frozen=True):
     """Change the type of view."""
 
     view: str
 
 
-class HomeView(Order, frozen=True):
+class HomeView(Command, frozen=True):
     """Return to the defaults of the view."""
 
 
-class SaveView(Order, frozen=True):
+class SaveView(Command, frozen=True):
     """Save the current view."""
 
     name: str
 
 
-class UseView(Order, frozen=True):
+class UseView(Command, frozen=True):
     """Switch to a saved view."""
 
     index: int
 
 
-class RenameView(Order, frozen=True):
+class RenameView(Command, frozen=True):
     """Change the name of a saved view."""
 
     index: int
     name: str
 
 
-class RemoveView(Order, frozen=True):
+class RemoveView(Command, frozen=True):
     """Remove a saved view."""
 
     index: int
 
 
-class TurnView(Order, frozen=True):
+class TurnView(Command, frozen=True):
     """The user has moved the view; points are in the fixed frame [m]."""
 
     eye: Vector
@@ -311,14 +311,14 @@ class TurnView(Order, frozen=True):
     scale: float
 
 
-class SelectObject(Order, frozen=True):
+class SelectObject(Command, frozen=True):
     """An object or the background was clicked."""
 
     path: str | None = None
     index: int | None = None
 
 
-class PublishGesture(Order, frozen=True):
+class PublishGesture(Command, frozen=True):
     """A tool was used at a point in the fixed frame, [m], with an angle about z, [rad]."""
 
     tool: str
@@ -326,8 +326,8 @@ class PublishGesture(Order, frozen=True):
     angle: float = 0.0
 
 
-AnyOrder: TypeAlias = (
-    OpenPanels | LookAgain | SetValue | AddDisplay | DuplicateDisplay | RenameRow | RemoveRow
+AnyCommand: TypeAlias = (
+    OpenPanels | RequestUpdate | SetValue | AddDisplay | DuplicateDisplay | RenameRow | RemoveRow
     | SaveLayout | LoadLayout | ChangeView | HomeView | SaveView | UseView | RenameView | RemoveView
     | TurnView | SelectObject | PublishGesture | UseControl | ChooseEntry | WatchRows
 )  # fmt: skip

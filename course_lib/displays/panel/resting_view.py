@@ -7,8 +7,8 @@ from typing import Any
 import msgspec
 from msgspec.structs import replace
 
-from course_lib.displays.panel.desk import Desk
-from course_lib.displays.panel.protocol import Gesture, Notice, PanelNews
+from course_lib.displays.panel.panels import PanelController
+from course_lib.displays.panel.protocol import Gesture, Notice, PanelUpdate
 from course_lib.displays.session import RvizSession
 from course_lib.displays.statuses import StatusTable
 from course_lib.viewer.encoding import to_json
@@ -43,9 +43,9 @@ class RestingView(SceneWidget):
     ) -> None:
         self._status_text = str(StatusTable(session.rows()))
         # The only message to the panels has read-only rows, and tools that need no Python.
-        desk = Desk(session, PageLink(Scene(), lambda content, buffers: None))
-        state, rows = desk.full_state()
-        desk.close()
+        controller = PanelController(session, PageLink(Scene(), lambda content, buffers: None))
+        state, rows = controller.full_state()
+        controller.close()
         tools = tuple(tool for tool in state.toolbar if tool.gesture in _OF_THE_PAGE)
         notice = Notice("", REPLAY if plays else RECORDED)
         state = replace(state, toolbar=tools, handles=(), notice=notice)
@@ -53,7 +53,7 @@ class RestingView(SceneWidget):
             text = row.text if row.editor is None or row.value is None else str(row.value)
             is_off = row.checked is False
             rows[key] = replace(row, text="off" if is_off else text, value=None, checked=None, editor=None)
-        panels = json.dumps(to_json(PanelNews(msgspec.structs.asdict(state), rows, ())))
+        panels = json.dumps(to_json(PanelUpdate(msgspec.structs.asdict(state), rows, ())))
         self._source, self._span = weakref.ref(recording), (seconds, recording.time)
         super().__init__(
             copy_of(recording.scene),

@@ -191,17 +191,17 @@ def settings_of(tools: Sequence[Tool]) -> ToolSettings:
     return ToolSettings(single, "rgb({}, {}, {})".format(*line))
 
 
-def publish(node: RvizNode, tools: Iterable[Tool], fixed_frame: str, order: PublishGesture) -> str:
+def publish(node: RvizNode, tools: Iterable[Tool], fixed_frame: str, command: PublishGesture) -> str:
     """Publish a message for a gesture in the fixed frame, stamped now, and return its description.
 
     Raises:
         CourseError: If there is no such tool.
     """
     tools_by_label = {tool.label: tool for tool in tools if isinstance(tool, PublishPoint)}
-    if order.tool not in tools_by_label:
+    if command.tool not in tools_by_label:
         tool_names = ", ".join(tools_by_label)
-        raise CourseError(f"There is no publishing tool {order.tool!r}; choose one of {tool_names}.")
-    tool = tools_by_label[order.tool]
-    message = tool.message(fixed_frame, node.now_ns, order.point, order.angle)
+        raise CourseError(f"There is no publishing tool {command.tool!r}; choose one of {tool_names}.")
+    tool = tools_by_label[command.tool]
+    message = tool.message(fixed_frame, node.now_ns, command.point, command.angle)
     node.publish(tool.topic, tool.type_name, qos_of(tool), message)
     return tool.confirmation(tool.topic, message)

@@ -3,5 +3,5 @@ declare const MeshCat: any;
 declare const THREE: any;
 // Not yet known to TypeScript 4.
 declare var DecompressionStream: any;
-// The text of panels/desk.css.
-declare const DESK_STYLE: string;
+// The text of panels/panels.css.
+declare const PANEL_STYLE: string;

@@ -2,14 +2,14 @@ import { decode } from "./decode.js";
 import { encode } from "./encode.js";
 import { SceneRecording } from "./recording.js";
 import { Mirror } from "./mirror.js";
-import { Desk, DeskState } from "./panels/desk.js";
+import { PanelFrame, PanelStore } from "./panels/frame.js";
 import { arrange, Place } from "./panels/place.js";
 import { timeBelow } from "./panels/time.js";
 import { Player } from "./player.js";
 import { pictureOf } from "./renderer.js";
 import { View } from "./view.js";
 
-const PASSIVE_ORDERS = ["OpenPanels", "LookAgain", "TurnView", "HomeView", "SelectObject"]; // orders that change no display
+const PASSIVE_COMMANDS = ["OpenPanels", "RequestUpdate", "TurnView", "HomeView", "SelectObject"]; // commands that change no display
 const SAVE_AFTER = 3000; // [ms] after a change, to wait for further changes
 const AWAY_AFTER = 3000; // [ms] without a view in sight, because the user may only scroll past
 const ENDED = "The kernel of this view has ended. To go on, run the cells again, or only what you need: resume().";
@@ -60,7 +60,7 @@ export class Link {
         if (isNext) this.mirror.apply(decode(changes));
       },
       status: ({ text }) => this.showMessage(text),
-      desk: (news) => this.deskState.apply(news),
+      panels: (update) => this.panelStore.apply(update),
       capture: ({ width, height }) =>
         this.send({ type: "picture", png: pictureOf(this.mirror, width, height) }),
       time: (time) => this.showTime(time),
@@ -93,8 +93,8 @@ export class Link {
     this.session?.statusChanged.connect(this.onStatus);
     this.reportVisibility();
     const panels = model.get("panels"); // of a view at rest
-    this.deskState = new DeskState((order) => (panels ? this.rejectOrder(order) : this.send(order)), Boolean(panels));
-    if (panels) this.deskState.apply(JSON.parse(panels));
+    this.panelStore = new PanelStore((command) => (panels ? this.rejectCommand(command) : this.send(command)), Boolean(panels));
+    if (panels) this.panelStore.apply(JSON.parse(panels));
   }
 
   /** Show the scene, or the end of a recording that can be played. */
@@ -108,9 +108,9 @@ export class Link {
     if (this.model.get("plays")) this.player.replay();
   }
 
-  /** @param {import("./protocol.js").Order} order that a view at rest cannot execute */
-  rejectOrder({ act }) {
-    if (!PASSIVE_ORDERS.includes(act)) this.showMessage("This view is at rest. Run its cell again to change it.");
+  /** @param {import("./protocol.js").Command} command that a view at rest cannot execute */
+  rejectCommand({ act }) {
+    if (!PASSIVE_COMMANDS.includes(act)) this.showMessage("This view is at rest. Run its cell again to change it.");
   }
 
   /** @param {any} message for Python; the page's id and the number of its last batch are added */
@@ -164,11 +164,11 @@ export class Link {
     host.style.cssText = `width:100%;height:${this.model.get("height")}px;overflow:hidden`;
     const label = this.model.get("words") || this.model.get("label");
     /** @param {import("./protocol.js").Click} click */
-    const onClick = (click) => desk.panels?.gestures.click(click) || this.send({ type: "click", ...click });
+    const onClick = (click) => panelFrame.panels?.gestures.click(click) || this.send({ type: "click", ...click });
     const view = new View(host, this.mirror, { label, onClick, onSightChange: () => this.onSightChange() });
-    const desk = new Desk(element, host, view, this.deskState);
-    const removeTimeBar = timeBelow(this, desk.frame);
-    const place = new Place(this, element, desk.frame, view);
+    const panelFrame = new PanelFrame(element, host, view, this.panelStore);
+    const removeTimeBar = timeBelow(this, panelFrame.frame);
+    const place = new Place(this, element, panelFrame.frame, view);
     element.classList.add("course-keeps"); // the JupyterLab extension queries such elements when it saves a notebook
     /** @type {any} */
     let savedSource = 0; // number of pictures at the last save of the notebook, or the picture that was saved then
@@ -189,14 +189,14 @@ export class Link {
       if (place.isBeside && pictures) this.lastBeside = this.outputToSave(canvas);
       place.dispose();
       view.dispose();
-      desk.dispose();
+      panelFrame.dispose();
       this.reportViewCount();
     };
   }
 
   /** @param {HTMLCanvasElement} canvas @returns {Record<string, string>} its picture, and what it shows in words */
   outputToSave(canvas) {
-    const { summary } = this.deskState.values; // what the page knew first is out of date
+    const { summary } = this.panelStore.values; // what the page knew first is out of date
     return { ...pictureToSave(canvas), ...(summary && { "text/plain": `${this.model.get("label")}. ${summary}` }) };
   }
 

@@ -115,7 +115,7 @@ export interface StatusLine {
   text: string;
 }
 
-/** The response to the last order; the text is empty if there is none. */
+/** The response to the last command; the text is empty if there is none. */
 export interface Notice {
   level?: "" | "ok" | "error";
   text?: string;
@@ -163,7 +163,7 @@ export interface PanelState {
 }
 
 /** The fields of the state and the rows that have changed, and the keys of removed rows. */
-export interface PanelNews {
+export interface PanelUpdate {
   changed: Partial<PanelState>;
   rows: Record<string, PanelRow>;
   gone: string[];
@@ -174,7 +174,7 @@ export interface OpenPanels {
 }
 
 /** Request an update. */
-export interface LookAgain {
+export interface RequestUpdate {
 }
 
 /** Start or stop requesting changed rows, because a panel was opened or closed. */
@@ -285,7 +285,7 @@ export interface TimeState {
   note?: string;
 }
 
-/** An order of a time bar; without any field it requests the time. */
+/** A command of a time bar; without any field it requests the time. */
 export interface TimeChange {
   now?: number;
   step?: number;
@@ -294,9 +294,9 @@ export interface TimeChange {
   paused?: boolean;
 }
 
-export type Order =
+export type Command =
   | ({ act: "OpenPanels" } & OpenPanels)
-  | ({ act: "LookAgain" } & LookAgain)
+  | ({ act: "RequestUpdate" } & RequestUpdate)
   | ({ act: "SetValue" } & SetValue)
   | ({ act: "AddDisplay" } & AddDisplay)
   | ({ act: "DuplicateDisplay" } & DuplicateDisplay)

@@ -5,7 +5,7 @@ import pytest
 from sensor_msgs.msg import CameraInfo, Image
 
 from course_lib.displays.display import Display
-from course_lib.displays.panel.desk import display_rows
+from course_lib.displays.panel.panels import display_rows
 from course_lib.viewer.drawables import Inset
 from tests.displays.bench import Bench
 from tests.displays.images.test_pixels import image

@@ -17,7 +17,7 @@ from course_lib.displays.interactive import InteractiveMarkersDisplay
 from course_lib.displays.viewer import Viewer
 from course_lib.ros.graph.graph import Graph
 from course_lib.ros.time.driving import spin_for
-from tests.displays.interactive.pointing import order
+from tests.displays.interactive.pointing import command
 
 
 def box(*modes: int, frame: str = "map", name: str = "box", **fields: Any) -> InteractiveMarker:
@@ -61,7 +61,7 @@ class Stage:
         menu: Any = ()
         for event, at in events:
             (display,) = self.viewer.displays
-            menu = display.use(order(path, event, at, **keys))  # type: ignore[attr-defined]
+            menu = display.use(command(path, event, at, **keys))  # type: ignore[attr-defined]
             spin_for(0.1, self.node)
         return menu
 

@@ -1,4 +1,4 @@
-"""Pointers of a test camera, and orders in the form in which pages send them."""
+"""Pointers of a test camera, and commands in the form in which pages send them."""
 
 from typing import Any
 
@@ -24,7 +24,7 @@ def pointer_at(place: Floats, camera: Camera) -> Pointer:
     return Pointer(eye + aside @ axes[:2], axes[2], axes, 1 / camera.orthographic_scale, is_orthographic=True)
 
 
-def order(
+def command(
     path: str,
     event: str,
     at: Vector,
@@ -34,7 +34,7 @@ def order(
     on: bool = True,
     **keys: Any,
 ) -> UseControl:
-    """Return the order that a page sends for a pointer at a point, `on` an object or the background."""
+    """Return the command that a page sends for a pointer at a point, `on` an object or the background."""
     camera = camera or Camera(eye=(10.0, 0.0, 5.0))
     pointer = pointer_at(np.array(at), camera)
     return UseControl(

@@ -23,7 +23,7 @@ from course_lib.ros.time.driving import spin_for
 from course_lib.viewer.drawables import Camera, Lines
 from tests.displays.bench import Bench
 from tests.displays.interactive.control_stage import Stage, box
-from tests.displays.interactive.pointing import order
+from tests.displays.interactive.pointing import command
 from tests.displays.stage import LATCHED, publish
 
 NAME = "rviz_default_plugins/InteractiveMarkers"
@@ -244,4 +244,4 @@ def test_ray_without_a_direction_is_rejected(stage: Stage, wrong: Any) -> None:
     display = stage.show(box(C.MOVE_AXIS))
     path = f"{display.path}/handles/box/controls/move/0/shaft"
     with pytest.raises(CourseError, match="has no direction"):
-        display.use(replace(order(path, "down", (0.7, 0.0, 0.0)), **wrong))
+        display.use(replace(command(path, "down", (0.7, 0.0, 0.0)), **wrong))

@@ -3,9 +3,9 @@
 import pytest
 from visualization_msgs.msg import InteractiveMarkerControl as C
 
-from course_lib.displays.panel.desk import OrderHandler
+from course_lib.displays.panel.panels import CommandHandler
 from tests.displays.interactive.control_stage import Stage, box
-from tests.displays.interactive.pointing import order
+from tests.displays.interactive.pointing import command
 
 HANDLES = "displays/InteractiveMarkers/handles"
 HELD = f"{HANDLES}/box/controls/move"
@@ -24,9 +24,9 @@ def test_other_controls_are_hidden_during_a_drag_unless_always_visible(stage: St
     stage.show(box(C.MOVE_AXIS))
     session = stage.viewer.session
     session.tools[0]["Hide Inactive Objects"] = hides
-    desk = OrderHandler(session)
-    desk.execute(order(f"{HELD}/0/mesh", "down", (0.5, 0.0, 0.0)))
-    desk.execute(order(f"{HELD}/0/mesh", "move", (0.6, 0.0, 0.0)))
+    handler = CommandHandler(session)
+    handler.execute(command(f"{HELD}/0/mesh", "down", (0.5, 0.0, 0.0)))
+    handler.execute(command(f"{HELD}/0/mesh", "move", (0.6, 0.0, 0.0)))
     assert visibilities(stage) == [True, not hides, not hides, True]
-    desk.execute(order(f"{HELD}/0/mesh", "up", (0.6, 0.0, 0.0)))
+    handler.execute(command(f"{HELD}/0/mesh", "up", (0.6, 0.0, 0.0)))
     assert visibilities(stage) == [True] * 4

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from std_msgs.msg import String
 
-from course_lib.displays.panel.desk import display_rows
+from course_lib.displays.panel.panels import display_rows
 from course_lib.displays.robot_model import DrawnLink, LinkSettings
 from course_lib.displays.viewer import Viewer
 from course_lib.displays.writer import member_config

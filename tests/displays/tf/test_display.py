@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from course_lib.displays.display import Display
-from course_lib.displays.panel.desk import display_rows
+from course_lib.displays.panel.panels import display_rows
 from course_lib.displays.properties import Property
 from course_lib.errors import CourseError
 from course_lib.viewer.drawables import Solids, Text

@@ -3,7 +3,7 @@ from visualization_msgs.msg import Marker
 
 from course_lib import Viewer
 from course_lib.displays.frames import ViewTime
-from course_lib.displays.panel.desk import LiveTime, TimeChange
+from course_lib.displays.panel.panels import LiveTime, TimeChange
 from course_lib.ros.graph.graph import use_graph
 from course_lib.tools.rqt.monitors import RobotMonitorView
 from course_lib.viewer.encoding import MessageError

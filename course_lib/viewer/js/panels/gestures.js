@@ -19,7 +19,7 @@ const HINTS = {
 /** The actions of the mouse in a view while one of RViz's tools is selected. */
 export class Gestures {
   /**
-   * @param {import("../view.js").View} view @param {(order: import("./desk.js").Order) => void} act called with an order
+   * @param {import("../view.js").View} view @param {(command: import("./frame.js").Command) => void} act called with a command
    * @param {(text: string) => void} showHint shows a hint @param {() => void} selectFirstTool selects the first tool
    */
   constructor(view, act, showHint, selectFirstTool) {

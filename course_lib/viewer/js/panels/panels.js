@@ -11,13 +11,13 @@ const TURNED_AFTER = 150; // [ms] after the last turn of a view by hand
 export class Panels {
   /**
    * @param {HTMLElement} frame contains the panels @param {import("../view.js").View} view the view in the middle
-   * @param {import("./desk.js").DeskState} state the displayed state
+   * @param {import("./frame.js").PanelStore} state the displayed state
    */
   constructor(frame, view, state) {
     this.frame = frame;
     this.view = view;
     this.state = state;
-    this.id = `desk${Math.random().toString(36).slice(2)}`;
+    this.id = `panels${Math.random().toString(36).slice(2)}`;
     this.turnTimer = 0;
     const act = state.act;
     this.gestures = new Gestures(view, act, (text) => this.showLine(this.notice, "", "", text, ""), () => this.selectTool(0));
@@ -142,7 +142,7 @@ export class Panels {
     /** @param {string} choice */
     const confirm = (choice) => this.state.act({ act: "AddDisplay", ...JSON.parse(choice), row });
     openDialog(this.frame, "Add", this.addable, confirm, about);
-    this.state.act({ act: "LookAgain" }); // the graph may have new topics
+    this.state.act({ act: "RequestUpdate" }); // the graph may have new topics
   }
 
   fillAddable() {

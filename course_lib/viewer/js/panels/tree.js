@@ -4,7 +4,7 @@ import { createElement, setChanged } from "./elements.js";
 /** A tree of rows with values, as in RViz's panels. */
 export class Tree {
   /**
-   * @param {string} label @param {(order: import("./desk.js").Order) => void} act called with each edit
+   * @param {string} label @param {(command: import("./frame.js").Command) => void} act called with each edit
    * @param {(row: any) => string} listFor id of a list of suggestions for a row
    */
   constructor(label, act, listFor) {

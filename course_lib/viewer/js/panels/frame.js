@@ -1,38 +1,38 @@
-/* global DESK_STYLE */
+/* global PANEL_STYLE */
 import { Panels } from "./panels.js";
 import { createElement } from "./elements.js";
 
 /** @typedef {import("../protocol.js").PanelState} PanelState */
 /** @typedef {import("../protocol.js").PanelRow} Row */
-/** @typedef {import("../protocol.js").Order} Order */
+/** @typedef {import("../protocol.js").Command} Command */
 
-/** The last state of all panels received from Python, and the desks of a page that show it. */
-export class DeskState {
-  /** @param {(order: any) => void} send sends an order to Python @param {boolean} isAtRest whether the panels are read-only */
+/** The last state of all panels received from Python, and the frames of a page that show it. */
+export class PanelStore {
+  /** @param {(command: any) => void} send sends a command to Python @param {boolean} isAtRest whether the panels are read-only */
   constructor(send, isAtRest = false) {
     this.isAtRest = isAtRest;
     this.values = /** @type {PanelState} */ ({}); // complete after the first message from Python
     /** @type {Record<string, Row>} */
     this.rows = {};
-    /** @type {Set<Desk>} */
-    this.desks = new Set();
+    /** @type {Set<PanelFrame>} */
+    this.frames = new Set();
     this.isWatched = false; // whether a panel of the page is open, so that Python sends changed rows
-    /** @param {Order} order */
-    this.act = (order) => send({ type: "desk", ...order });
+    /** @param {Command} command */
+    this.act = (command) => send({ type: "panels", ...command });
     this.act({ act: "OpenPanels" });
   }
 
-  /** @param {import("../protocol.js").PanelNews} news */
+  /** @param {import("../protocol.js").PanelUpdate} update */
   apply({ changed, rows, gone }) {
     Object.assign(this.values, changed);
     Object.assign(this.rows, rows);
     for (const key of gone) delete this.rows[key];
-    for (const desk of this.desks) desk.update(changed);
+    for (const frame of this.frames) frame.update(changed);
   }
 
   /** Report whether a panel is open. */
   reportOpenPanels() {
-    const isWatched = [...this.desks].some(({ panels }) => panels?.isOpen);
+    const isWatched = [...this.frames].some(({ panels }) => panels?.isOpen);
     if (isWatched === this.isWatched || this.isAtRest) return;
     this.isWatched = isWatched;
     this.act({ act: "WatchRows", watched: isWatched });
@@ -45,17 +45,17 @@ export class DeskState {
 }
 
 /** RViz's tools, panels and status line around one view; created after the first message from Python. */
-export class Desk {
+export class PanelFrame {
   /**
    * @param {HTMLElement} element contains everything @param {HTMLElement} host contains the view
-   * @param {import("../view.js").View} view @param {DeskState} state
+   * @param {import("../view.js").View} view @param {PanelStore} state
    */
   constructor(element, host, view, state) {
     this.view = view;
     this.state = state;
     /** @type {Panels | null} */
     this.panels = null;
-    const style = createElement("style", { textContent: DESK_STYLE });
+    const style = createElement("style", { textContent: PANEL_STYLE });
     this.frame = createElement("div", { className: "course-viewer" }, style, host);
     this.frame.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
       if (!event.ctrlKey && !event.metaKey && !event.altKey) event.stopPropagation(); // these keys must not reach the notebook
@@ -63,13 +63,13 @@ export class Desk {
     this.frame.classList.toggle("course-resting", state.isAtRest);
     host.classList.add("course-host");
     element.append(this.frame);
-    state.desks.add(this);
+    state.frames.add(this);
     this.update(state.values);
   }
 
   dispose() {
     clearTimeout(this.panels?.turnTimer);
-    this.state.desks.delete(this);
+    this.state.frames.delete(this);
     this.state.reportOpenPanels();
     this.frame.remove();
   }

@@ -1,4 +1,4 @@
-"""RViz's panels around a view: the rows that a page receives, its orders, and the Time panel."""
+"""RViz's panels around a view: the rows that a page receives, its commands, and the Time panel."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -233,8 +233,8 @@ def _editor(prop: Property, holder: PropertyHolder) -> protocol.Editor:
 _LONGEST = 16
 # Folders with layouts: the notebook's folder, and the folder for files of lessons.
 _FOLDERS = ("", "my_files")
-# The orders of a page by subject.
-_TREE_ORDERS = (
+# The commands of a page by subject.
+_TREE_COMMANDS = (
     protocol.SetValue,
     protocol.AddDisplay,
     protocol.DuplicateDisplay,
@@ -243,7 +243,7 @@ _TREE_ORDERS = (
     protocol.SaveLayout,
     protocol.LoadLayout,
 )
-_VIEW_ORDERS = (
+_VIEW_COMMANDS = (
     protocol.ChangeView,
     protocol.HomeView,
     protocol.SaveView,
@@ -252,7 +252,7 @@ _VIEW_ORDERS = (
     protocol.RemoveView,
     protocol.TurnView,
 )
-_SCENE_ORDERS = (
+_SCENE_COMMANDS = (
     protocol.SelectObject,
     protocol.PublishGesture,
     protocol.UseControl,
@@ -260,10 +260,10 @@ _SCENE_ORDERS = (
 )
 
 
-class OrderHandler:
-    """Executes the orders of a page.
+class CommandHandler:
+    """Executes the commands of a page.
 
-    `rows` are the page's rows, `notice` is the response to the last order.
+    `rows` are the page's rows, `notice` is the response to the last command.
 
     Args:
         session: The session to change; tools publish through its node.
@@ -276,20 +276,20 @@ class OrderHandler:
         self.menu = protocol.ContextMenu()
         self.file = "view.rviz"
         self._session = session
-        self._acts: dict[type[protocol.Order], Callable[[Any], None]] = {
-            protocol.LookAgain: lambda order: None,
-            **dict.fromkeys(_TREE_ORDERS, self._edit_tree),
-            **dict.fromkeys(_VIEW_ORDERS, self._set_view),
-            **dict.fromkeys(_SCENE_ORDERS, self._act_in_scene),
+        self._acts: dict[type[protocol.Command], Callable[[Any], None]] = {
+            protocol.RequestUpdate: lambda command: None,
+            **dict.fromkeys(_TREE_COMMANDS, self._edit_tree),
+            **dict.fromkeys(_VIEW_COMMANDS, self._set_view),
+            **dict.fromkeys(_SCENE_COMMANDS, self._act_in_scene),
         }
 
-    def execute(self, order: protocol.Order) -> None:
-        """Execute an order.
+    def execute(self, command: protocol.Command) -> None:
+        """Execute a command.
 
         Raises:
-            CourseError: The order is impossible; the message is for the page.
+            CourseError: The command is impossible; the message is for the page.
         """
-        self._acts[type(order)](order)
+        self._acts[type(command)](command)
 
     def _entry(self, row: str) -> RowEntry:
         if row not in self.rows:
@@ -302,10 +302,10 @@ class OrderHandler:
             raise CourseError("Select a display in the tree first.")
         return member
 
-    def _edit_tree(self, order: protocol.Order) -> None:
+    def _edit_tree(self, command: protocol.Command) -> None:
         """Edit a row, or add, copy, rename or remove a display; save or open a layout."""
         session = self._session
-        match order:
+        match command:
             case protocol.SetValue(row=row, value=value):
                 edit = self._entry(row).edit
                 if edit is None:
@@ -355,10 +355,10 @@ class OrderHandler:
             raise CourseError("This saved view no longer exists. Select another one.")
         return self._session.saved_views[index]
 
-    def _set_view(self, order: protocol.Order) -> None:
+    def _set_view(self, command: protocol.Command) -> None:
         """Change the current view or the saved ones."""
         session = self._session
-        match order:
+        match command:
             case protocol.ChangeView(view=name):
                 if name not in VIEWS:
                     raise CourseError(f"There is no view {name!r}; the views are {', '.join(VIEWS)}.")
@@ -381,21 +381,21 @@ class OrderHandler:
             case protocol.TurnView(eye=eye, target=target, up=up, scale=scale):
                 session.on_view_turn(Camera(eye, target, up, orthographic_scale=scale or None))
 
-    def _act_in_scene(self, order: protocol.Order) -> None:
+    def _act_in_scene(self, command: protocol.Command) -> None:
         """Describe the clicked object, publish with a tool, or use an interactive marker."""
         session = self._session
-        match order:
+        match command:
             case protocol.SelectObject(path=path, index=index):
                 self.selection = describe_selection(session, path, index)
             case protocol.PublishGesture():
                 node = session.context.node
                 if node is None:
                     raise CourseError("This page shows a recording, in which nothing can be published.")
-                confirmation = publish(node, session.tools, session.fixed_frame, order)
+                confirmation = publish(node, session.tools, session.fixed_frame, command)
                 self.notice = protocol.Notice("ok", confirmation)
             case protocol.UseControl(path=path, event=event):
                 for display in handles(session):
-                    entries = display.use(order)
+                    entries = display.use(command)
                     if event != "move":
                         tool = next(tool for tool in session.tools if tool.gesture == "interact")
                         hides_others = event == "down" and tool["Hide Inactive Objects"]
@@ -442,7 +442,7 @@ def describe_selection(session: RvizSession, path: str | None, index: int | None
 PERIOD = 0.5
 
 
-class Desk:
+class PanelController:
     """The panels of a page, synchronized with a session.
 
     Args:
@@ -453,7 +453,7 @@ class Desk:
 
     def __init__(self, session: RvizSession, link: PageLink, graph: Graph | None = None) -> None:
         self._session, self._link, self._graph = session, link, graph
-        self._orders = OrderHandler(session)
+        self._commands = CommandHandler(session)
         self._sent_state: protocol.PanelState | None = None
         self._sent_rows: dict[str, protocol.PanelRow] = {}
         # The pages with an open panel. Only these receive new rows, because computing them is slow.
@@ -463,7 +463,7 @@ class Desk:
         self._is_post_scheduled = False
         # The event loop of the cells, if this is a kernel.
         self._loop = running_loop()
-        link.listen("desk", self._on_order)
+        link.listen("panels", self._on_command)
         link.listen("ready", self._wake)
         session.after_frame.append(self.refresh)
 
@@ -472,30 +472,30 @@ class Desk:
         if self.refresh in self._session.after_frame:
             self._session.after_frame.remove(self.refresh)
 
-    def _on_order(self, content: Mapping[str, Any]) -> None:
-        """Execute an order of the page. The page shows errors."""
-        self._orders.notice = protocol.Notice()
-        order: protocol.Order | None = None
+    def _on_command(self, content: Mapping[str, Any]) -> None:
+        """Execute a command of the page. The page shows errors."""
+        self._commands.notice = protocol.Notice()
+        command: protocol.Command | None = None
         try:
-            order = from_json(protocol.AnyOrder, content)
-            if isinstance(order, protocol.OpenPanels):
+            command = from_json(protocol.AnyCommand, content)
+            if isinstance(command, protocol.OpenPanels):
                 self._sent_state, self._sent_rows = None, {}
-            elif isinstance(order, protocol.WatchRows):
-                change = self._row_watchers.add if order.watched else self._row_watchers.discard
+            elif isinstance(command, protocol.WatchRows):
+                change = self._row_watchers.add if command.watched else self._row_watchers.discard
                 change(str(content.get("page", "")))
             else:
-                self._orders.execute(order)
+                self._commands.execute(command)
         except Exception as error:
             # The page shows all errors, including errors of the kit.
-            self._orders.notice = protocol.Notice("error", describe(error))
-        if isinstance(order, protocol.UseControl) and order.event == "move":
-            # These orders are frequent, so updates are throttled.
+            self._commands.notice = protocol.Notice("error", describe(error))
+        if isinstance(command, protocol.UseControl) and command.event == "move":
+            # These commands are frequent, so updates are throttled.
             self.refresh()
         else:
             self.post()
 
     def _wake(self, _: Mapping[str, Any]) -> None:
-        """Send changes to a page that was hidden. A newly loaded page sends an order first."""
+        """Send changes to a page that was hidden. A newly loaded page sends a command first."""
         if self._sent_state is not None:
             self.post()
 
@@ -528,12 +528,12 @@ class Desk:
                 name: value for name, value in now.items() if value != getattr(sent, name, None)
             }
             changed_rows = {key: row for key, row in rows.items() if row != self._sent_rows.get(key)}
-            news = protocol.PanelNews(
+            update = protocol.PanelUpdate(
                 changed_fields, changed_rows, tuple(self._sent_rows.keys() - rows.keys())
             )
             self._sent_state, self._sent_rows = state, rows
-            if changed_fields or changed_rows or news.gone:
-                self._link.post({"type": "desk", **to_json(news)})
+            if changed_fields or changed_rows or update.gone:
+                self._link.post({"type": "panels", **to_json(update)})
 
     def full_state(self) -> tuple[protocol.PanelState, dict[str, protocol.PanelRow]]:
         """Return the complete state of the panels, and its rows."""
@@ -542,8 +542,8 @@ class Desk:
         for tool in (tool for tool in session.tools if tool.properties):
             tools.put(f"tool {tool}", "", tool.label)
             tools.put_properties(tool, f"tool {tool}")
-        self._orders.rows = tree | view | tools
-        rows = {key: entry.row for key, entry in self._orders.rows.items()}
+        self._commands.rows = tree | view | tools
+        rows = {key: entry.row for key, entry in self._commands.rows.items()}
         return self._state(tuple(tree), tuple(view), tuple(tools)), rows
 
     def _state(
@@ -559,7 +559,7 @@ class Desk:
             view: The keys of the rows of the Views panel.
             tools: The keys of the rows of the Tool Properties panel.
         """
-        session, orders = self._session, self._orders
+        session, commands = self._session, self._commands
         view_names = tuple(view_names.name for view_names in session.saved_views)
         working_folder = Path.cwd()
         files = (path for folder in _FOLDERS for path in sorted((working_folder / folder).glob("*.rviz")))
@@ -582,17 +582,17 @@ class Desk:
             drag=session.view.drag_rules(),
             views=protocol.ViewChoice(repr(session.view), tuple(VIEWS), view_names),
             status=protocol.StatusLine(mark_of(level), status),
-            notice=orders.notice,
-            selection=orders.selection,
+            notice=commands.notice,
+            selection=commands.selection,
             types=tuple(
                 protocol.AddableType(name, short_name(name), describe_class(name))
                 for name in (*sorted(REGISTRY), GROUP)
             ),
             topics=self._topics(),
             handles=tuple(display.handles for display in handles(session)),
-            menu=orders.menu,
+            menu=commands.menu,
             frames=tuple(sorted({session.fixed_frame, *session.context.frames.buffer.frames()})),
-            layouts=protocol.Layouts(orders.file, layouts),
+            layouts=protocol.Layouts(commands.file, layouts),
             summary=session.summary(),
         )
 
@@ -636,7 +636,7 @@ class TimeState(Message, frozen=True):
 
 
 class TimeChange(Message, frozen=True):
-    """An order of a time bar; without any field it requests the time."""
+    """A command of a time bar; without any field it requests the time."""
 
     now: float | None = None  # [s] since the start
     # The number of frames to step.
@@ -751,7 +751,7 @@ class Playback:
 
 
 class TimePanel:
-    """The time bars of pages, synchronized with a source of time that executes their orders."""
+    """The time bars of pages, synchronized with a source of time that executes their commands."""
 
     def __init__(self, session: RvizSession, link: PageLink, source: LiveTime | Playback) -> None:
         self._session = session

@@ -7,7 +7,7 @@ import pytest
 from visualization_msgs.msg import InteractiveMarkerUpdate
 
 from course_lib.displays.layout import read_layout
-from course_lib.displays.panel.desk import Desk
+from course_lib.displays.panel.panels import PanelController
 from course_lib.displays.session import RvizSession
 from course_lib.displays.viewer import Viewer
 from course_lib.displays.views import FrameAligned, XYOrbit
@@ -28,11 +28,11 @@ class Page:
         self.told: dict[str, Any] = {}
         self.told_rows: dict[str, dict[str, Any]] = {}
         self.link = PageLink(session.context.scene, self._take)
-        self.desk = Desk(session, self.link, graph)
+        self.controller = PanelController(session, self.link, graph)
         self.ask(act="OpenPanels")
 
-    def ask(self, **order: Any) -> None:
-        self.link.receive({"type": "desk", "page": "one", "number": 0, **order})
+    def ask(self, **command: Any) -> None:
+        self.link.receive({"type": "panels", "page": "one", "number": 0, **command})
 
     def rows(self) -> list[dict[str, Any]]:
         return [self.told_rows[key] for key in self.told["tree"]]
@@ -41,7 +41,7 @@ class Page:
         return str(next(row["key"] for row in self.rows() if row["label"] == label))
 
     def _take(self, content: dict[str, Any], _: list[bytes]) -> None:
-        if content["type"] == "desk":
+        if content["type"] == "panels":
             self.told |= content["changed"]
             self.told_rows |= content["rows"]
             for key in content["gone"]:
@@ -70,10 +70,10 @@ def test_rows_are_listed_after_their_parent_rows(page: Page) -> None:
         known.add(row["key"])
 
 
-def test_changed_rows_are_sent_between_orders_only_while_a_panel_is_open(
+def test_changed_rows_are_sent_between_commands_only_while_a_panel_is_open(
     page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("course_lib.displays.panel.desk.PERIOD", 0.0)
+    monkeypatch.setattr("course_lib.displays.panel.panels.PERIOD", 0.0)
     viewer.add("Axes")
     assert page.told["status"]["text"].endswith("No tf data.  Actual error: Frame [map] does not exist")
     assert "Axes" not in [row["label"] for row in page.rows()]
@@ -89,7 +89,7 @@ def test_changed_rows_are_sent_between_orders_only_while_a_panel_is_open(
 def test_open_panel_shows_values_set_by_a_program_while_no_node_runs(
     page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("course_lib.displays.panel.desk.PERIOD", 0.0)
+    monkeypatch.setattr("course_lib.displays.panel.panels.PERIOD", 0.0)
     page.ask(act="WatchRows", watched=True)
     viewer.options["Look"] = "Studio"
     viewer["Grid"]["Alpha"] = 0.25
@@ -101,7 +101,7 @@ def test_open_panel_shows_values_set_by_a_program_while_no_node_runs(
 def test_page_that_was_closed_with_an_open_panel_gets_no_rows(
     page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("course_lib.displays.panel.desk.PERIOD", 0.0)
+    monkeypatch.setattr("course_lib.displays.panel.panels.PERIOD", 0.0)
     page.ask(act="WatchRows", watched=True)
     page.link.receive({"type": "views", "page": "two", "number": 0, "count": 1})
     page.link.receive({"type": "views", "page": "one", "number": 0, "count": 0})
@@ -113,7 +113,7 @@ def test_page_that_was_closed_with_an_open_panel_gets_no_rows(
 def test_hidden_page_receives_changed_rows_when_it_is_visible_again(
     sight: str, page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("course_lib.displays.panel.desk.PERIOD", 0.0)
+    monkeypatch.setattr("course_lib.displays.panel.panels.PERIOD", 0.0)
     page.link.receive({"type": sight, "page": "one", "number": 0})
     viewer.add("Axes")
     assert "Axes" not in [row["label"] for row in page.rows()]
@@ -124,10 +124,10 @@ def test_hidden_page_receives_changed_rows_when_it_is_visible_again(
 def test_only_changed_rows_are_sent(page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
     posted: list[dict[str, Any]] = []
     monkeypatch.setattr(page.link, "post", posted.append)
-    page.desk.post()
+    page.controller.post()
     assert posted == []
     viewer["Grid"]["Alpha"] = 0.25
-    page.desk.post()
+    page.controller.post()
     assert (posted[-1]["changed"], list(posted[-1]["rows"])) == ({}, ["displays/Grid#Alpha"])
 
 
@@ -136,7 +136,7 @@ def test_creating_rows_does_not_search_for_similar_names(
 ) -> None:
     monkeypatch.setattr("course_lib.displays.properties.nearest", lambda name, *_: pytest.fail(name))
     viewer.add("Axes")
-    page.desk.post()
+    page.controller.post()
     assert "Axes" in [row["label"] for row in page.rows()]
 
 
@@ -204,7 +204,7 @@ def test_invalid_value_is_reported_and_changes_nothing(page: Page, viewer: Viewe
 
 
 @pytest.mark.parametrize(
-    "order",
+    "command",
     [
         {"act": "nothing"}, {}, {"act": "SetValue"}, {"act": "SetValue", "row": "options", "value": 1},
         {"act": "AddDisplay", "display": "No/Such"}, {"act": "RemoveRow", "row": "options"},
@@ -214,13 +214,13 @@ def test_invalid_value_is_reported_and_changes_nothing(page: Page, viewer: Viewe
         {"act": "SaveLayout", "name": "../over/there"}, {"act": "LoadLayout", "name": "absent.rviz"},
         {"act": "ChangeView", "view": "Sideways"}, {"act": "UseView", "index": 7},
         {"act": "RemoveView", "index": -1},
-        {"act": "LookAgain", "hard": True}, {"act": "RenameRow", "row": 1, "name": "x"},
+        {"act": "RequestUpdate", "hard": True}, {"act": "RenameRow", "row": 1, "name": "x"},
         {"act": "AddDisplay", "display": "rviz_default_plugins/Grid", "topic": None},
     ],
     ids=str,
 )  # fmt: skip
-def test_invalid_requests_are_answered_with_an_error(page: Page, order: dict[str, Any]) -> None:
-    page.ask(**order)
+def test_invalid_requests_are_answered_with_an_error(page: Page, command: dict[str, Any]) -> None:
+    page.ask(**command)
     assert page.told["notice"]["level"] == "error"
 
 
@@ -238,7 +238,7 @@ def test_group_is_toggled_and_removed_along_with_its_displays(page: Page, viewer
 def test_layouts_written_in_lessons_can_be_loaded_and_saved(page: Page) -> None:
     Path("my_files").mkdir()
     Path("my_files/old.rviz").write_text(LAYOUT)
-    page.ask(act="LookAgain")
+    page.ask(act="RequestUpdate")
     assert "my_files/old.rviz" in page.told["layouts"]["files"]
     page.ask(act="LoadLayout", name="my_files/old.rviz")
     page.ask(act="SaveLayout", name="my_files/new.rviz")
@@ -248,7 +248,7 @@ def test_layouts_written_in_lessons_can_be_loaded_and_saved(page: Page) -> None:
 
 def test_duplicated_display_has_the_same_properties(page: Page, viewer: Viewer) -> None:
     viewer["Grid"]["Cell Size"] = 3.0
-    page.ask(act="LookAgain")
+    page.ask(act="RequestUpdate")
     page.ask(act="DuplicateDisplay", row="displays/Grid")
     assert viewer.displays[-1]["Cell Size"] == 3.0
     assert viewer.displays[-1].path != "displays/Grid"
@@ -257,7 +257,7 @@ def test_duplicated_display_has_the_same_properties(page: Page, viewer: Viewer) 
 def test_topics_of_the_graph_can_be_added_before_the_first_message(page: Page, graph: Graph) -> None:
     node = graph.add_node("silent", "/")
     graph.add_publisher(node, "/scan", "sensor_msgs/msg/LaserScan", Qos())
-    page.ask(act="LookAgain")
+    page.ask(act="RequestUpdate")
     display = "rviz_default_plugins/LaserScan"
     expected = {"topic": "/scan", "type": "sensor_msgs/msg/LaserScan", "display": display}
     assert expected in page.told["topics"]
@@ -317,7 +317,7 @@ def test_displays_are_added_to_the_selected_group(page: Page, viewer: Viewer) ->
 
 def test_update_topic_of_a_marker_server_adds_a_display(page: Page, viewer: Viewer) -> None:
     publish(viewer._graph, "/menu/update", InteractiveMarkerUpdate())
-    page.ask(act="LookAgain")
+    page.ask(act="RequestUpdate")
     shown = next(shown for shown in page.told["topics"] if shown["topic"] == "/menu/update")
     page.ask(act="AddDisplay", topic=shown["topic"], display=shown["display"])
     assert viewer["InteractiveMarkers"]["Interactive Markers Namespace"] == "/menu"
@@ -331,13 +331,13 @@ def test_key_z_resets_a_view(page: Page, viewer: Viewer) -> None:
 
 def test_page_receives_the_mouse_settings_of_each_view(page: Page, viewer: Viewer) -> None:
     viewer.view = XYOrbit()
-    page.ask(act="LookAgain")
+    page.ask(act="RequestUpdate")
     assert page.told["drag"] == {
         "inPlace": False, "aligned": False, "locked": False, "lift": 0.2, "ground": 0.0,
         "focalSize": 0.05, "focalFixed": True,
     }  # fmt: skip
     viewer.view = FrameAligned(lock_camera=True)
-    page.ask(act="LookAgain")
+    page.ask(act="RequestUpdate")
     drag_rules = page.told["drag"]
     assert (drag_rules["inPlace"], drag_rules["aligned"], drag_rules["locked"], drag_rules["lift"]) == (
         True,

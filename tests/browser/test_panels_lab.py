@@ -47,7 +47,7 @@ def test_tools_publish_to_live_nodes(lesson: Notebook) -> None:
     lesson.page.mouse.down()
     lesson.page.mouse.move(middle[0] + 60, middle[1])
     if PICTURES:
-        lesson.page.screenshot(path=Path(PICTURES) / "desk_lab_goal.png")
+        lesson.page.screenshot(path=Path(PICTURES) / "panels_lab_goal.png")
     lesson.page.mouse.up()
     expect(place.locator(".course-notice")).to_contain_text("Setting goal pose: Frame:map")
     wait_until(lambda: "geometry_msgs.msg.PoseStamped" in lesson.kernel("print(heard)"), lesson.page)
@@ -96,7 +96,7 @@ def test_displays_can_be_edited_in_both_themes(lesson: Notebook) -> None:
     for theme in ("JupyterLab Light", "JupyterLab Dark"):
         change_theme(lesson.page, theme)
         if PICTURES:
-            lesson.page.screenshot(path=Path(PICTURES) / f"desk_lab_{theme[11:].lower()}.png")
+            lesson.page.screenshot(path=Path(PICTURES) / f"panels_lab_{theme[11:].lower()}.png")
     wait_until(lambda: lesson.kernel("print(viewer['Grid']['Cell Size'])").strip() == "0.5", lesson.page)
 
 

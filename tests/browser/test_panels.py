@@ -136,7 +136,7 @@ def test_open_list_is_not_rebuilt_when_displays_change(bench: Bench) -> None:
     stays = "document.querySelector('dialog option')"
     bench.page.evaluate(f"globalThis.before = {stays}")
     bench.viewer.remove(bench.viewer["Marker"])
-    bench.widget.link.receive({"type": "desk", "act": "LookAgain"})
+    bench.widget.link.receive({"type": "panels", "act": "RequestUpdate"})
     bench.host.carry()
     assert bench.row("Marker").count() == 0
     assert bench.page.evaluate(f"globalThis.before === {stays}")
@@ -151,7 +151,7 @@ def test_layout_is_saved_and_opened_with_keyboard_shortcuts(bench: Bench, tmp_pa
     bench.host.carry()
     assert (tmp_path / "mine.rviz").exists()
     bench.viewer.remove(bench.viewer["Marker"])
-    bench.widget.link.receive({"type": "desk", "act": "OpenPanels"})
+    bench.widget.link.receive({"type": "panels", "act": "OpenPanels"})
     bench.host.carry()
     canvas.press("Control+o")
     bench.choose("mine.rviz")
@@ -190,10 +190,10 @@ def test_long_status_leaves_one_line_to_a_notice(bench: Bench) -> None:
 
 @pytest.mark.slow
 def test_malformed_panel_command_is_reported_in_the_status_line(bench: Bench) -> None:
-    bench.widget.link.receive({"type": "desk", "act": "SetValue", "row": "nowhere", "value": 1})
+    bench.widget.link.receive({"type": "panels", "act": "SetValue", "row": "nowhere", "value": 1})
     bench.host.carry()
     assert "'nowhere' no longer exists" in bench.page.locator(".course-notice").inner_text()
-    bench.widget.link.receive({"type": "desk", "act": "TurnView", "eye": None})
+    bench.widget.link.receive({"type": "panels", "act": "TurnView", "eye": None})
     bench.host.carry()
     assert "Expected `array`, got `null` - at `$.eye`" in bench.page.locator(".course-notice").inner_text()
 
@@ -289,6 +289,6 @@ def test_panel_update_writes_only_changed_elements(bench: Bench) -> None:
     bench.page.evaluate(RECORD_WRITES)
     publish(bench.graph, "/m", marker())
     bench.viewer.refresh()
-    bench.widget.link.receive({"type": "desk", "act": "LookAgain"})
+    bench.widget.link.receive({"type": "panels", "act": "RequestUpdate"})
     bench.host.carry()
     assert bench.page.evaluate("() => written") == ["<span>3 messages received at inf hz.</span>"]

@@ -67,7 +67,7 @@ def show_view(bench: Bench, view: ViewController) -> None:
 def tell(bench: Bench) -> None:
     """Send the changes to the page before the next frame."""
     bench.widget.flush()
-    bench.widget.link.receive({"type": "desk", "act": "LookAgain"})
+    bench.widget.link.receive({"type": "panels", "act": "RequestUpdate"})
     bench.host.carry()
 
 
