@@ -13,7 +13,7 @@ import numpy as np
 
 from course_lib.course.exercise import code_cells, read_notebook, source
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.judge import judge, judge_task
+from course_lib.grading.judge import judge_in_child, judge_task
 from course_lib.grading.records import Run, TaskResult
 from course_lib.grading.run.run import Job, plan_scenarios, run, unpack
 from course_lib.grading.store import Course, catalog_of
@@ -209,7 +209,7 @@ def rehearse(rehearsal: Rehearsal, course: Course) -> RehearsalResult:
     limits, forbidden_paths = catalog.course.limits, course.forbidden_paths
     job = Job(cells, STUDENT, without_checks, limits, files, course.sandbox, forbidden_paths)
     outcome = unpack(run(job).evidence, steps)
-    judgement = judge(outcome, tasks, catalog)
+    judgement = judge_in_child(outcome, tasks, catalog)
     types = {
         (run.evidence.task, topic, type_name)
         for run in outcome.runs

@@ -86,6 +86,8 @@ class WeekRehearsals:
         self.earned_fractions: dict[str, float] = {}
         self._failed: set[Key] = set()
         self._checks: dict[Key, CheckResult] = {}
+        # How a check raised an exception or ended its process, and on which answer, at first.
+        self._broken: dict[Key, tuple[str, str]] = {}
         self._locations = {
             (task.id, scenario.name, number): check.origin.location
             for task in self._tasks
@@ -107,7 +109,7 @@ class WeekRehearsals:
         ids = tuple(task.id for task in self._tasks)
         solution = Rehearsal(self._week, "the solution", self._cells, ids, hollow=True)
         (rehearsal_result,) = self._run_rehearsals([solution])
-        self._record_checks(rehearsal_result.results)
+        self._record_checks(rehearsal_result.results, solution.name)
         yield from self._check_solution(rehearsal_result)
         is_broken = any(check.broken for result in rehearsal_result.results for check in result.checks)
         if rehearsal_result.limit == "time" or is_broken:
@@ -119,9 +121,12 @@ class WeekRehearsals:
         rehearsals = list(self._whole_rehearsals())
         rehearsals += [(rehearsal, partial(self._check_edits, group)) for group, rehearsal in groups]
         results = self._run_rehearsals([rehearsal for rehearsal, _ in rehearsals])
-        for (_, look), rehearsal_result in zip(rehearsals, results, strict=True):
-            self._record_checks(rehearsal_result.results)
+        for (rehearsal, look), rehearsal_result in zip(rehearsals, results, strict=True):
+            self._record_checks(rehearsal_result.results, rehearsal.name)
             yield from look(rehearsal_result)
+        for key, (answer, broken) in self._broken.items():
+            text = f"{key[0]}: a check fails with an error on an answer ({answer}): {broken}"
+            yield Flaw("wrong", text, self._location(key))
         for key, check in self._checks.items():
             if check.weight and key not in self._failed:
                 text = f"{key[0]}, {_visibility(check)} {check.scenario!r}, {check.title!r}"
@@ -150,9 +155,11 @@ class WeekRehearsals:
             look = self._check_right_answer if name == RIGHT else partial(self._check_wrong_answer, name)
             yield Rehearsal(self._week, path.name, cells_of(path), ids), look
 
-    def _record_checks(self, results: Iterable[TaskResult]) -> None:
+    def _record_checks(self, results: Iterable[TaskResult], answer: str) -> None:
         for key, check in (row for result in results for row in _checks_by_key(result)):
             self._checks.setdefault(key, check)
+            if check.broken:
+                self._broken.setdefault(key, (answer, check.broken))
             if not check.passed and check.mistake != NEEDS_ANOTHER:
                 self._failed.add(key)
 
@@ -164,7 +171,8 @@ class WeekRehearsals:
         types = {(task, topic): type_name for task, topic, type_name in rehearsal_result.types}
         for task in self._tasks:
             yield from misspelled_names(task, self._scenarios(task), types)
-        self._record_checks(result for _, _, result in rehearsal_result.hollow)
+        for way, _, result in rehearsal_result.hollow:
+            self._record_checks([result], f"the solution with {way}")
         for way, remedy, result in rehearsal_result.hollow:
             if result.fraction > MOST:
                 earned = ", ".join(check.title for check in result.checks if check.passed and check.weight)
@@ -248,8 +256,9 @@ class WeekRehearsals:
         for edit, result in zip(group, rehearsal_result.results, strict=True):
             flaws, last = list(edit.look(result)), result
             if flaws and len(group) > 1:
-                (single_result,) = self._run_rehearsals([make_rehearsal([edit], self._cells, self._week)])
-                self._record_checks(single_result.results)
+                single = make_rehearsal([edit], self._cells, self._week)
+                (single_result,) = self._run_rehearsals([single])
+                self._record_checks(single_result.results, single.name)
                 (last,) = single_result.results
                 flaws = list(edit.look(last))
             if not edit.is_right:
@@ -393,7 +402,7 @@ def verify(
         if week not in known_weeks:
             suggestion = did_you_mean(week, known_weeks) or f", known: {', '.join(known_weeks)}"
             raise CourseError(f"there is no {week} in {course.exercises / 'course.toml'}{suggestion}")
-    with executors(jobs or os.cpu_count() or 1, None) as (_, pool, _):
+    with executors(jobs or os.cpu_count() or 1, None) as (pool, _, _):
         for week in weeks or known_weeks:
             runs = _start_lessons(f"{week}_*.ipynb", course, pool)
             report = _verify_week(week, course, pool)

@@ -120,26 +120,27 @@ def _end_with_parent() -> None:
 def executors(jobs: int, dask: str | None) -> Iterator[tuple[Executor, Executor, int]]:
     """Open the executors for running and judging.
 
-    The block gets the executors and the number of submissions that may be pending.
+    The block gets the executors and the number of submissions that may be pending. Judging always
+    has processes of its own, because a check may crash one.
 
     Args:
-        jobs: Number of processes on this machine.
+        jobs: Number of processes on this machine. One runs submissions in this process.
         dask: Address of a Dask scheduler whose workers run submissions; judging stays on this
             machine.
 
     Raises:
         CourseError: No scheduler answers at the address.
     """
-    local: Executor = InlineExecutor() if jobs == 1 else ProcessPool(jobs)
+    judges = ProcessPool(jobs)
     try:
         if dask is None:
-            yield local, local, 1 if jobs == 1 else 2 * jobs
+            yield InlineExecutor() if jobs == 1 else judges, judges, 1 if jobs == 1 else 2 * jobs
         else:
             with _client(dask) as client:
                 threads = sum(client.nthreads().values())
-                yield client.get_executor(pure=False), local, 2 * max(threads, 1)
+                yield client.get_executor(pure=False), judges, 2 * max(threads, 1)
     finally:
-        local.shutdown(wait=False, cancel_futures=True)
+        judges.shutdown(wait=False, cancel_futures=True)
 
 
 def _client(address: str) -> Any:

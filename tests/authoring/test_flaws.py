@@ -30,6 +30,8 @@ BLUE = "expect_marker(TOPIC, color=(0.0, 0.0, 1.0, 1.0))"
 INPUT = '            seed=1,\n            inputs=(Message("/a", "std_msgs/msg/Bool", {"dta": 1}),),\n'
 GRADING = "from course_lib.grading import ("
 
+CRASH = "lambda evidence: passed('yes') if evidence.messages(TOPIC) else ctypes.string_at(0)"
+
 # aspect; file, original text, faulty text; reported message and location
 Row = tuple[str, list[tuple[str, str, str]], str, str]
 RUN: list[Row] = [
@@ -87,6 +89,15 @@ RUN: list[Row] = [
             (HIDDEN, GRADING, f"from course_lib.grading import Check, passed\n{GRADING}"),
         ],
         "'own': no answer fails it",
+        PUBLIC,
+    ),
+    (
+        "wrong",
+        [
+            (HIDDEN, "CONTENT = (", f"CONTENT = (\n    Check('own', {CRASH}),"),
+            (HIDDEN, GRADING, f"import ctypes\nfrom course_lib.grading import Check, passed\n{GRADING}"),
+        ],
+        "a check fails with an error on an answer (the stub): solutions/checks/week",
         PUBLIC,
     ),
     (

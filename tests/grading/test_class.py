@@ -185,7 +185,9 @@ HIDDEN = {"week01.half": (
 """
 
 
+@pytest.mark.parametrize("jobs", [1, 2])
 def test_check_that_crashes_on_one_submission_is_reported_and_the_class_is_graded(
+    jobs: int,
     course: Course,
     right: str,
     tmp_path: Path,
@@ -196,7 +198,7 @@ def test_check_that_crashes_on_one_submission_is_reported_and_the_class_is_grade
     hidden.write_text(CRASH.replace("WHERE", "-3.5"))
     for student, code in {"ada": right, "bob": right.replace("length / 2", "length / 4")}.items():
         write_notebook(tmp_path / "in" / student / NAME, code, student=student)
-    assert grade(tmp_path / "in", tmp_path / "out", jobs=2, course=course)
+    assert grade(tmp_path / "in", tmp_path / "out", jobs=jobs, course=course)
     rows = {one.row.student: one.row for one in results_in(tmp_path / "out")}
     assert {row.status for row in rows.values()} == {"graded", "needs_marking"}
     (line,) = [line for line in capsys.readouterr().out.splitlines() if "could not judge" in line]
