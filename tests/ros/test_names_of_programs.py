@@ -8,7 +8,13 @@ from importlib import import_module
 import pytest
 import rclpy
 from geometry_msgs.msg import Twist
-from rclpy.executors import ConditionReachedException, SingleThreadedExecutor, TimeoutException
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.executors import (
+    ConditionReachedException,
+    MultiThreadedExecutor,
+    SingleThreadedExecutor,
+    TimeoutException,
+)
 from rclpy.node import Node
 from rclpy.parameter import Parameter, get_parameter_value, parameter_value_to_python
 from rclpy.qos import (
@@ -21,6 +27,7 @@ from rclpy.qos import (
     qos_profile_sensor_data,
 )
 from rclpy.qos_overriding_options import InvalidQosOverridesError, QosCallbackResult, QoSOverridingOptions
+from rclpy.task import Future
 from std_msgs.msg import String
 from std_srvs.srv import Empty
 
@@ -207,6 +214,23 @@ def test_wait_for_message_returns_one_message_without_spinning(node: Node) -> No
     assert wait_for_message(Twist, node, "cmd_vel", time_to_wait=1.0) == (False, None)
     assert wait_for_message(Twist, node, "cmd_vel", time_to_wait=5.0) == (True, Twist())
     assert (node.handle.graph.now_ns - START_NS) * 1e-9 == pytest.approx(2.001)
+
+
+def test_wait_for_message_returns_the_message_while_other_threads_spin_the_node(node: Node) -> None:
+    from rclpy.wait_for_message import wait_for_message
+
+    publisher, received = node.create_publisher(Twist, "cmd_vel", 10), Future()
+
+    def wait() -> None:
+        waiting.cancel()
+        received.set_result(wait_for_message(Twist, node, "cmd_vel", time_to_wait=5.0))
+
+    waiting = node.create_timer(0.1, wait, callback_group=ReentrantCallbackGroup())
+    node.create_timer(0.2, lambda: publisher.publish(Twist()), callback_group=ReentrantCallbackGroup())
+    executor = MultiThreadedExecutor(3)
+    executor.add_node(node)
+    executor.spin_until_future_complete(received, 5.0)
+    assert received.result() == (True, Twist())
 
 
 def test_node_lists_endpoints_and_services_of_other_nodes_with_their_types(

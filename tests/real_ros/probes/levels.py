@@ -5,15 +5,12 @@ Many of the calls are wrong on purpose.
 """
 
 import os
-import re
-import sys
-import tempfile
 import time
 from typing import Any
 
 import rclpy
 import rclpy.logging
-from probing import lines, main, outcome
+from probing import lines, main, outcome, said
 from rcl_interfaces.msg import Log
 from rclpy.clock import Clock, ROSClock
 from rclpy.duration import Duration
@@ -28,33 +25,6 @@ from rclpy.logging import (
 from rclpy.node import Node
 
 S = LoggingSeverity
-
-
-def said(call: Any) -> Any:
-    """Lines on stderr of a call, by redirecting the file descriptor or the stream."""
-    sys.stderr.flush()
-    if "course_lib" in sys.modules:
-        import io
-
-        old, sys.stderr = sys.stderr, io.StringIO()
-        try:
-            r = outcome(call)
-            text = sys.stderr.getvalue()
-        finally:
-            sys.stderr = old
-    else:
-        with tempfile.TemporaryFile() as f:
-            saved = os.dup(2)
-            os.dup2(f.fileno(), 2)
-            try:
-                r = outcome(call)
-            finally:
-                sys.stderr.flush()
-                os.dup2(saved, 2)
-                os.close(saved)
-            f.seek(0)
-            text = f.read().decode()
-    return [r, re.sub(r"\[\d+\.\d+\]", "[T]", text).splitlines()]
 
 
 def many(n: Any, wait: Any = 0.0, **kw: Any) -> Any:

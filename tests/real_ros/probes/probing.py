@@ -4,13 +4,16 @@ The outcome of a probe is what it returns or raises, as text. `main()` prints al
 JSON object.
 """
 
+import contextlib
 import gc
 import importlib
 import importlib.util
+import io
 import json
 import os
 import re
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from typing import Any
@@ -49,6 +52,29 @@ def outcome(call: Callable[..., object], *args: Any, **options: Any) -> str:
     text = re.sub(r"(incompatible (?:constructor|function) arguments\.).*", r"\1", text, flags=re.DOTALL)
     text = re.sub(r", at [^ ,|'\"]*\.(c|h|cpp):\d+|(?<=msg)\._\w+(?=\.)", "", text)
     return re.sub(r" at 0x[0-9a-f]+", " at 0x", text)
+
+
+def said(call: Probe) -> list[Any]:
+    """Return the outcome of a call and its lines on stderr, without times."""
+    sys.stderr.flush()
+    if _IS_KIT:
+        with contextlib.redirect_stderr(io.StringIO()) as stream:
+            result = outcome(call)
+        text = stream.getvalue()
+    else:
+        # rcl writes to the file descriptor.
+        with tempfile.TemporaryFile() as file:
+            saved = os.dup(2)
+            os.dup2(file.fileno(), 2)
+            try:
+                result = outcome(call)
+            finally:
+                sys.stderr.flush()
+                os.dup2(saved, 2)
+                os.close(saved)
+            file.seek(0)
+            text = file.read().decode()
+    return [result, re.sub(r"\[\d+\.\d+\]", "[T]", text).splitlines()]
 
 
 def spun(node: Any, ready: Callable[[], object], seconds: float = 3.0, executor: Any = None) -> bool:

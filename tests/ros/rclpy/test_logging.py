@@ -45,6 +45,13 @@ def test_debug_messages_are_hidden_until_the_level_allows_them(graph: Graph, cap
     assert capsys.readouterr().err == "[DEBUG] [1700000000.000000000] [a]: shown\n"
 
 
+def test_debug_level_shows_only_the_messages_of_the_program(graph: Graph, capsys: Captured) -> None:
+    rclpy.init(args=["--ros-args", "--log-level", "debug"])
+    Node("talker").get_logger().debug("shown")
+    rclpy.shutdown()
+    assert capsys.readouterr().err == "[DEBUG] [1700000000.000000000] [talker]: shown\n"
+
+
 def test_log_levels_are_inherited(graph: Graph) -> None:
     rclpy.logging.set_logger_level("a", LoggingSeverity.ERROR)
     assert get_logger("a.b.c").get_effective_level() is LoggingSeverity.ERROR

@@ -25,7 +25,7 @@ class Context(AbstractContextManager["Context"]):
         self.graph = current_graph()
         # Command-line arguments that apply to all nodes of the context.
         self.arguments = Arguments()
-        self.__initialized = False
+        self.__initialized = self.__initialized_logging = False
         self.__domain_id: int | None = None
         # The signal handlers of the program that initialized the context; None if the end of the
         # run does not act like Ctrl+C on it.
@@ -60,7 +60,14 @@ class Context(AbstractContextManager["Context"]):
         except RCLInvalidROSArgsError as error:
             raise RCLError(f"{NOT_INITIALIZED}{str(error).removeprefix(INVALID_ARGUMENTS)}") from None
         self.__domain_id = None if domain_id is None else int(domain_id)
-        current_graph().state(LogLevels).by_logger |= self.arguments.log_levels
+        if initialize_logging:
+            levels = current_graph().state(LogLevels)
+            if levels.contexts == 0:
+                given = self.arguments.log_levels.items()
+                # rcl does not change the default level to UNSET.
+                levels.by_logger |= {name: level for name, level in given if name or level}
+            levels.contexts += 1
+            self.__initialized_logging = True
         self.__initialized = True
         if time_lock.is_interrupted_by_end() and not self.graph.ended:
             handlers = time_lock.handlers()
@@ -123,6 +130,8 @@ class Context(AbstractContextManager["Context"]):
         """Shut down if the context is valid."""
         if self.is_valid:
             self.invalidate()
+            if self.__initialized_logging:
+                self.graph.state(LogLevels).contexts -= 1
             callbacks, self._callbacks = self._callbacks, []
             for find_callback in callbacks:
                 callback = find_callback()

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
 from functools import partial
 from typing import Any, Literal, TypedDict, TypeVar, cast
 
@@ -110,8 +111,7 @@ class Node:
             of `rclpy.init()`.
         use_global_arguments: Whether the arguments of `rclpy.init()` apply as well.
         parameter_overrides: Values that replace the defaults of the node's parameters.
-        automatically_declare_parameters_from_overrides: Whether all overrides are declared
-            immediately.
+        automatically_declare_parameters_from_overrides: Whether all overrides are declared.
         start_parameter_services: Whether other nodes can read and change the parameters.
         allow_undeclared_parameters: Whether parameters can be used without a declaration.
         enable_rosout: Whether log messages are published on /rosout.
@@ -150,37 +150,39 @@ class Node:
             get_logger("rcl").warning(warning)
         arguments = merge_arguments(local, context.arguments) if use_global_arguments else local
         self.__handle = enter_graph(context, node_name, namespace or "", arguments)
-        self.__clock = ROSClock()
-        self.__created_entities: list[Any] = []
-        # Entities that rcl creates in ROS, and rclpy therefore does not list.
-        self.__hidden_entities: list[Any] = []
-        self.__default_callback_group = MutuallyExclusiveCallbackGroup()
-        self.__rate_group = ReentrantCallbackGroup()
-        self.__logger = get_logger(self.handle.logger_name)
-        self.__settle_same_names()
-        context.on_shutdown(self.__leave_graph)
-        self.__rosout = self.create_publisher(Log, "/rosout", _ROSOUT) if enable_rosout else None
-        if self.__rosout is not None:
-            self._course_hide(self.__rosout)
-            current_graph().state(Rosout).publish.setdefault(self.handle.logger_name, self.__publish_log)
-        events = self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
-        overrides = arguments.parameters(self.handle.full_name)
-        given = () if parameter_overrides is None else parameter_overrides
-        overrides |= {parameter.name: parameter for parameter in given}
-        self.__parameter_store = ParameterStore(self.__name_in_events, self.__clock, events, overrides)
-        self.__allow_undeclared_parameters = allow_undeclared_parameters
-        if automatically_declare_parameters_from_overrides:
-            declarations = [
-                (name, parameter.value, ParameterDescriptor()) for name, parameter in overrides.items()
-            ]
-            self.declare_parameters("", declarations, ignore_override=True)
-        self.__time_source = TimeSource(node=self)
-        self.__time_source.attach_clock(self.__clock)
-        if start_parameter_services:
-            ParameterService(self)
-        if enable_logger_service:
-            LoggingService(self)
-        self.__type_description_service = TypeDescriptionService(self)
+        # A node whose constructor raises leaves the graph.
+        with ExitStack() as failed:
+            failed.callback(self.__leave_graph)
+            self.__clock = ROSClock()
+            self.__created_entities: list[Any] = []
+            # Entities that rcl creates in ROS, and rclpy therefore does not list.
+            self.__hidden_entities: list[Any] = []
+            self.__default_callback_group = MutuallyExclusiveCallbackGroup()
+            self.__rate_group = ReentrantCallbackGroup()
+            self.__logger = get_logger(self.handle.logger_name)
+            self.__settle_same_names()
+            context.on_shutdown(self.__leave_graph)
+            self.__rosout = self.create_publisher(Log, "/rosout", _ROSOUT) if enable_rosout else None
+            if self.__rosout is not None:
+                self._course_hide(self.__rosout)
+                current_graph().state(Rosout).publish.setdefault(self.handle.logger_name, self.__publish_log)
+            events = self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
+            overrides = arguments.parameters(self.handle.full_name)
+            for parameter in () if parameter_overrides is None else parameter_overrides:
+                overrides[parameter.name] = parameter
+            self.__parameter_store = ParameterStore(self.__name_in_events, self.__clock, events, overrides)
+            self.__allow_undeclared_parameters = allow_undeclared_parameters
+            if automatically_declare_parameters_from_overrides:
+                values = [(name, one.value, ParameterDescriptor()) for name, one in overrides.items()]
+                self.declare_parameters("", values, ignore_override=True)
+            self.__time_source = TimeSource(node=self)
+            self.__time_source.attach_clock(self.__clock)
+            if start_parameter_services:
+                ParameterService(self)
+            if enable_logger_service:
+                LoggingService(self)
+            self.__type_description_service = TypeDescriptionService(self)
+            failed.pop_all()
 
     # Relative tolerance of a floating-point value at the steps of its range.
     PARAM_REL_TOL = 1e-6

@@ -83,8 +83,13 @@ class ServiceEnd(Entity):
                 messages.
         """
         self.__ends[0].require()
+        # In the order of rclpy, which calls rcl with the C objects of its arguments.
+        _ = clock.handle, to_qos(service_event_qos_profile, "pub")
         if not isinstance(clock, Clock):
-            raise AttributeError(f"'{type(clock).__name__}' object has no attribute 'handle'")
+            raise TypeError(
+                "configure_introspection(): incompatible function arguments. The clock must be a "
+                f"Clock, such as node.get_clock(), not {clock!r}."
+            )
         if not isinstance(introspection_state, ServiceIntrospectionState):
             raise TypeError(
                 "configure_introspection(): incompatible function arguments. The state must be a "
@@ -94,6 +99,9 @@ class ServiceEnd(Entity):
             self.__events.close()
         self.__events = None
         if introspection_state is not ServiceIntrospectionState.OFF:
+            if not self._course_node.context.is_valid:
+                kind = "client" if self.__asks else "service"
+                raise RCLError(f"failed to configure {kind} introspection: rcl node's context is invalid")
             self.__events = ServiceEvents(
                 self._course_node,
                 self.srv_type,

@@ -1,6 +1,6 @@
 """Service introspection: requests and responses on the topic `<service>/_service_event`."""
 
-from enum import IntEnum
+from enum import Enum, IntEnum
 from typing import Any
 
 from service_msgs.msg import ServiceEventInfo
@@ -19,6 +19,8 @@ class ServiceIntrospectionState(IntEnum):
     OFF = 0
     METADATA = 1
     CONTENTS = 2
+
+    __str__ = Enum.__str__
 
 
 class ServiceEvents:

@@ -47,6 +47,9 @@ class LogLevels:
     """The log levels of one program in a run, by logger name."""
 
     by_logger: dict[str, int] = field(default_factory=dict)
+    # Contexts that were initialized with logging and not shut down since. As in rclpy, only the
+    # first one of them sets the levels of its command line.
+    contexts: int = 0
 
 
 @dataclass(frozen=True)
@@ -183,7 +186,8 @@ def parse(args: Sequence[str]) -> Arguments:
         kind, missing = _WORDS[flag]
         value, is_its_value = next(words, ("", False))
         if not is_its_value:
-            raise RCLInvalidROSArgsError(f"{INVALID_ARGUMENTS}Couldn't parse trailing {word} flag. {missing}")
+            trailing = f"{kind} flag: '{word}'" if flag == "--log-level" else f"{word} flag"
+            raise RCLInvalidROSArgsError(f"{INVALID_ARGUMENTS}Couldn't parse trailing {trailing}. {missing}")
         try:
             _add(parsed, flag, value)
         except ValueError as error:
@@ -242,7 +246,9 @@ def _add(parsed: Arguments, flag: str, value: str) -> None:
     if flag == "--params-file":
         parsed.overrides += read_file(value)
     elif flag == "--log-level":
-        logger, _, level = value.rpartition(":=")
+        logger, names_logger, level = value.partition(":=") if ":=" in value else ("", "", value)
+        if names_logger and not logger:
+            raise ValueError("Argument has an invalid logger item that name is empty")
         if level.upper() not in LoggingSeverity.__members__:
             raise ValueError(f"{level!r} is not a level: expected debug, info, warn, error or fatal")
         parsed.log_levels[logger] = LoggingSeverity[level.upper()]

@@ -1,6 +1,6 @@
 """Graph queries in rclpy's data types: topics, services, actions, endpoints and their QoS."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Literal
@@ -53,6 +53,18 @@ class TypeHash:
         return f"RIHS{self.version:02}_{self.value.hex()}" if is_valid else "INVALID"
 
 
+# The attributes of TopicEndpointInfo, with functions that return their defaults.
+_DEFAULTS: dict[str, Callable[[], object]] = {
+    "node_name": str,
+    "node_namespace": str,
+    "topic_type": str,
+    "topic_type_hash": TypeHash,
+    "endpoint_type": lambda: TopicEndpointTypeEnum.INVALID,
+    "endpoint_gid": list,
+    "qos_profile": lambda: QoSPresetProfiles.UNKNOWN.value,
+}
+
+
 class TopicEndpointInfo:
     """A publisher or a subscription on a topic."""
 
@@ -65,24 +77,17 @@ class TopicEndpointInfo:
     qos_profile: QoSProfile
 
     def __init__(self, **kwargs: Any) -> None:
-        defaults: dict[str, Any] = {
-            "node_name": "",
-            "node_namespace": "",
-            "topic_type": "",
-            "topic_type_hash": TypeHash(),
-            "endpoint_type": TopicEndpointTypeEnum.INVALID,
-            "endpoint_gid": [],
-            "qos_profile": QoSPresetProfiles.UNKNOWN.value,
-        }
-        if not defaults.keys() >= kwargs.keys():
+        if not _DEFAULTS.keys() >= kwargs.keys():
             raise AssertionError(f"Invalid arguments passed to constructor: {kwargs.keys()!r}")
-        for name, default in defaults.items():
-            value = kwargs.get(name, default)
-            if name == "endpoint_type" and isinstance(value, int):
-                value = TopicEndpointTypeEnum(value)
-            if not isinstance(value, type(default)):
-                raise AssertionError
-            setattr(self, name, value)
+        for name, make_default in _DEFAULTS.items():
+            setattr(self, name, kwargs[name] if name in kwargs else make_default())
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if name == "endpoint_type" and isinstance(value, int):
+            value = TopicEndpointTypeEnum(value)
+        if name in _DEFAULTS and not isinstance(value, type(_DEFAULTS[name]())):
+            raise AssertionError
+        super().__setattr__(name, value)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, TopicEndpointInfo) and vars(self) == vars(other)
