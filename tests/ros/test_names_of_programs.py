@@ -219,7 +219,8 @@ def test_wait_for_message_returns_one_message_without_spinning(node: Node) -> No
 def test_wait_for_message_returns_the_message_while_other_threads_spin_the_node(node: Node) -> None:
     from rclpy.wait_for_message import wait_for_message
 
-    publisher, received = node.create_publisher(Twist, "cmd_vel", 10), Future()
+    publisher = node.create_publisher(Twist, "cmd_vel", 10)
+    received: Future[tuple[bool, Twist]] = Future()
 
     def wait() -> None:
         waiting.cancel()
