@@ -168,6 +168,8 @@ def test_notice_below_a_narrow_view_is_not_cut_off(bench: Bench, tmp_path: Path)
     notice = bench.page.locator(".course-notice")
     assert notice.inner_text() == "Saved the_layout_of_my_first_own_robot.rviz."
     assert notice.evaluate("notice => notice.scrollWidth <= notice.clientWidth")
+    # On a line of its own: next to the status it would take up to six lines from the view.
+    assert notice.evaluate("notice => notice.clientWidth > 0.9 * notice.parentElement.clientWidth")
     status = bench.page.locator(".course-line").first
     assert status.evaluate("status => status.clientWidth") > 60
     parts = bench.page.locator(".course-lines, .course-lines button")

@@ -6,8 +6,11 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Locator, Page, expect
+from rcl_interfaces.msg import Log
 
-from course_lib.tools.rqt.view import STYLE, table
+from course_lib.ros.graph.graph import Graph
+from course_lib.tools.rqt.monitors import ConsoleView
+from course_lib.tools.rqt.view import STYLE
 from tests.browser.axe import faults
 from tests.browser.jupyterlab import Lab, Notebook, opened
 from tests.browser.waiting import at_rest, wait_until
@@ -139,17 +142,27 @@ def test_rqt_service_caller_shows_the_response_and_closes(notebook: Notebook) ->
     wait_until(lambda: int(notebook.kernel("print(len(heard))")) > 10, notebook.page)
 
 
-def test_short_console_message_is_on_one_line_next_to_a_view(one_page: Page) -> None:
-    one_page.set_viewport_size({"width": 640, "height": 200})  # [px]
-    row = ("2", "30 images per second", "Info", "robot.camera_driver", "1700000128.348246398")
-    heads = ("#", "Message", "Severity", "Node", "Stamp", "Location")
-    messages = table(heads, [(*row, "unknown_robot.py:start:116")], "Log messages")
-    one_page.set_content(f"{STYLE}<div class='rqt'>{messages}</div>")
-    count_lines = """cell => {
-        const range = document.createRange();
-        range.selectNodeContents(cell);
-        return range.getClientRects().length; }"""
-    assert one_page.locator("td").nth(1).evaluate(count_lines) == 1
+COUNT_LINES = """cell => {
+    const range = document.createRange();
+    range.selectNodeContents(cell);
+    return new Set([...range.getClientRects()].map(({ top }) => Math.round(top))).size; }"""
+
+
+@pytest.mark.parametrize(("width", "lines"), [(1000, [1, 1, 1]), (640, [1, 2, 2]), (400, [1, 1, 1])])  # [px]
+def test_console_beside_a_view_breaks_lines_between_parts_of_names(
+    one_page: Page, width: int, lines: list[int]
+) -> None:
+    log = Log(msg="30 images per second", name="robot.camera_driver", level=20, line=116)
+    log.file, log.function = "unknown_robot.py", "start"
+    log.stamp.sec, log.stamp.nanosec = 1700000128, 348246398
+    console = ConsoleView(Graph(), [])
+    console._logs.append((2, log))
+    one_page.set_viewport_size({"width": width, "height": 200})  # [px]
+    one_page.set_content(console.static_html())
+    cells = one_page.locator("td")
+    assert [cells.nth(index).evaluate(COUNT_LINES) for index in (1, 4, 5)] == lines
+    screen = one_page.locator(".rqt-screen")
+    assert screen.evaluate("screen => screen.scrollWidth - screen.clientWidth") == 0
 
 
 def test_notice_follows_the_colors_of_a_dark_theme(one_page: Page) -> None:

@@ -86,9 +86,11 @@ class ConsoleView(RqtView):
             message = escape(log.msg)
             if self["Highlight"] and self._matches("Highlight", log.msg):
                 message = f"<mark>► {message}</mark>"
-            stamp = f"{log.stamp.sec}.{log.stamp.nanosec:09d}"
-            location = escape(f"{log.file}:{log.function}:{log.line}")
-            rows.append([str(number), message, icon(sign) + severity, escape(log.name), stamp, location])
+            # In a narrow table, lines break between the parts, not within a number or a name.
+            stamp = f"{log.stamp.sec}.<wbr>{log.stamp.nanosec:09d}"
+            location = escape(f"{log.file}:{log.function}:{log.line}").replace(":", ":<wbr>")
+            node = escape(log.name).replace(".", ".<wbr>")
+            rows.append([str(number), message, icon(sign) + severity, node, stamp, location])
         return count + table(_LOG_HEADS, rows, "Log messages")
 
     def _matches(self, control: str, text: str) -> bool:

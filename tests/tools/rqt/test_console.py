@@ -24,7 +24,7 @@ def test_messages_are_sorted_newest_first_with_named_severities(view: ConsoleVie
         < picture.index("all &lt;well&gt;")
     )
     assert "Displaying 3 of 3 messages" in picture
-    assert "Error</td><td>planner</td><td>1700000000.000000000</td>" in picture
+    assert "Error</td><td>planner</td><td>1700000000.<wbr>000000000</td>" in picture
 
 
 def test_filters_exclude_messages_by_severity_node_and_text(view: ConsoleView) -> None:
