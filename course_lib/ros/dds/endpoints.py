@@ -27,8 +27,9 @@ MAX_PENDING = 256
 MAX_PARTIAL = 8
 # Limit on the bytes of all incomplete messages of a reader.
 MAX_PARTIAL_BYTES = 2 * wire.MAX_MESSAGE
-# Number of consecutive signs that a remote writer has restarted with the same GUID.
-RESTART_SIGNS = 3
+# Number of consecutive signs that the numbers of a remote writer are lower than the expected ones, and
+# the time between the first and the last of them [s].
+RESTART_SIGNS, RESTART_SECONDS = 3, 0.25
 # Memory of the number of a missing fragment [B].
 FRAGMENT_OVERHEAD = 100
 
@@ -277,8 +278,8 @@ class MatchedWriter:
             matched the reader as well, or has not answered in time.
         last_heartbeat: Count of the last heartbeat. A robot may send each one over several ways.
         is_ack_due: Whether a heartbeat waits for its acknowledgement.
-        signs: How many heartbeats or messages in a row were from long before `due`, each with a
-            larger count or number than the one before, `last_sign`.
+        signs: How many heartbeats or messages in a row were from before `due`.
+        first_sign_at: Wall time of the first of them [s].
     """
 
     endpoint: Endpoint
@@ -289,23 +290,26 @@ class MatchedWriter:
     last_heartbeat: int | None = None
     is_ack_due: bool = False
     signs: int = 0
-    last_sign: int = 0
+    first_sign_at: float = 0.0
 
-    def has_restarted(self, number: int, sign: int) -> bool:
-        """Return whether the writer numbers its messages from 1 again, and forget its former numbers.
+    def has_restarted(self, number: int, limit: int) -> bool:
+        """Return whether the writer uses lower numbers than `due`, and forget its former numbers.
 
-        Embedded devices keep their GUID when they restart. Late datagrams are from before `due` as
-        well, but not from long before, and newer ones are between them.
+        Embedded devices keep their GUID when they restart, and number their messages from 1 again.
+        A datagram that somebody else has sent in the writer's name may have increased `due`, too.
+        Late datagrams also are from before `due`, but newer ones are between them.
 
         Args:
-            number: The number of the newest message that a datagram tells of.
-            sign: The number that grows from one datagram to the next.
+            number: The number of the newest message that a datagram reports or contains.
+            limit: Numbers below it are a sign.
         """
+        now = wall.monotonic()
         if number >= self.due - 1:
             self.signs = 0
-        elif number < self.due // 2 and (self.signs == 0 or sign > self.last_sign):
-            self.signs, self.last_sign = self.signs + 1, sign
-        if self.signs < RESTART_SIGNS:
+        elif number < limit:
+            self.signs += 1
+            self.first_sign_at = now if self.signs == 1 else self.first_sign_at
+        if self.signs < RESTART_SIGNS or now - self.first_sign_at < RESTART_SECONDS:
             return False
         self.due = self.signs = 0
         self.pending.clear()
@@ -343,10 +347,13 @@ class Reader(OwnEndpoint[MatchedWriter]):
             self._request_heartbeat(writer, 1)
 
     def tick(self) -> None:
-        """Send acknowledgements, and request the first heartbeats that have not arrived yet."""
+        """Send acknowledgements, and request heartbeats from writers whose numbers are uncertain."""
         for writer in self.matched.values():
             if writer.is_ack_due:
                 self._send_acknack(writer, [])
+            if writer.signs and self._is_reliable(writer):
+                # A writer that has not restarted answers with the number of a newer message.
+                self._request_heartbeat(writer, 1)
             if writer.requests and self._is_reliable(writer):
                 writer.requests -= 1
                 self._request_heartbeat(writer, writer.due or 1)
@@ -403,10 +410,15 @@ class Reader(OwnEndpoint[MatchedWriter]):
         writer = self.matched.get(sample.writer)
         if writer is None:
             return None
-        if not self._is_reliable(writer):
-            writer.has_restarted(sample.sequence, sample.sequence)
+        is_reliable = self._is_reliable(writer)
+        if not is_reliable:
+            # Late messages are not from long before.
+            writer.has_restarted(sample.sequence, writer.due // 2)
         is_new = sample.sequence >= writer.due and sample.sequence not in writer.pending
-        return writer if is_new else None
+        # A reliable writer resends messages that are too far ahead. So numbers that it will not
+        # reach, sent in its name, use no memory.
+        is_far = is_reliable and writer.due and sample.sequence >= writer.due + MAX_PENDING
+        return writer if is_new and not is_far else None
 
     def on_heartbeat(self, guid: bytes, first: int, last: int, count: int, *, is_final: bool) -> None:
         """Process a heartbeat, and request the missing messages that the writer still has.
@@ -418,9 +430,7 @@ class Reader(OwnEndpoint[MatchedWriter]):
         if writer is None or not self._is_reliable(writer) or count == writer.last_heartbeat:
             return
         writer.last_heartbeat = count
-        if not writer.has_restarted(last, count) and writer.signs:
-            # A writer that has not restarted answers with the number of a newer message.
-            self._request_heartbeat(writer, 1)
+        if not writer.has_restarted(last, writer.due - 1) and writer.signs:
             return
         was_open, writer.requests = writer.requests > 0, 0
         limit = self.endpoint.qos.limit
@@ -457,7 +467,7 @@ class Reader(OwnEndpoint[MatchedWriter]):
         if first <= writer.due < base:
             writer.skip_to(base)
         for number in others:
-            if number >= writer.due and len(writer.pending) < MAX_PENDING:
+            if writer.due <= number < writer.due + MAX_PENDING:
                 writer.pending.setdefault(number, None)
         self._deliver(writer)
 

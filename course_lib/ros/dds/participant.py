@@ -27,7 +27,7 @@ from typing import TypeVar
 
 from course_lib.errors import CourseError
 from course_lib.ros.dds import wire
-from course_lib.ros.dds.endpoints import Change, OnSample, Reader, ReceivedSample, Writer
+from course_lib.ros.dds.endpoints import Change, MatchedWriter, OnSample, Reader, ReceivedSample, Writer
 from course_lib.ros.dds.wire import PREFIX_SIZE, Buffer, Endpoint, Kind, Locator, ParameterList, Pid
 from course_lib.ros.graph.topics import Qos, find_incompatible_policy
 from course_lib.ros.robot.addresses import bind_udp, common_bits, resolve, socket_towards
@@ -41,6 +41,8 @@ ANNOUNCE_SECONDS, EAGER_SECONDS, HEARTBEAT_SECONDS = 2.0, 0.1, 0.1
 # A participant that has just started misses the first announcements.
 EAGER_ANNOUNCEMENTS = 10
 LEASE_SECONDS = 20.0
+# Period in which the state of a remote participant's discovery is checked [s].
+CHECK_SECONDS = LEASE_SECONDS / 2
 # Time without a datagram after which the remote participants are requested to answer [s].
 ASK_SECONDS = 2.0
 # Waiting time for acknowledgements at the end, and interval between checks [s].
@@ -74,11 +76,15 @@ class RemoteParticipant:
         host: Its present address.
         locators: The locators of endpoints that have none of their own.
         lease_end: Wall time at which it counts as absent if nothing is received [s].
+        check_at: Wall time of the next check of its discovery [s].
+        is_suspect: Whether malformed datagrams have come in its name since the last check.
     """
 
     host: str
     locators: tuple[Locator, ...]
     lease_end: float
+    check_at: float
+    is_suspect: bool = False
 
 
 class Participant:
@@ -278,23 +284,45 @@ class Participant:
         lease_end = wall.monotonic() + (1e9 if lease_ns is None else lease_ns * 1e-9)
         locators = parameters.locators(Pid.METATRAFFIC)
         host = self._choose_host([host for host, _ in locators], sender)
-        remote = self.remotes.get(prefix)
+        builtin = _locators_at(host, locators)
+        defaults = _locators_at(host, parameters.locators(Pid.DEFAULT_UNICAST) or locators)
+        now, remote = wall.monotonic(), self.remotes.get(prefix)
         if remote is not None:
             self._move(prefix, remote, host)
-            remote.lease_end = lease_end
-        elif len(self.remotes) >= MAX_PARTICIPANTS:
-            raise ValueError("too many participants")
         else:
-            builtin = _locators_at(host, locators)
+            if len(self.remotes) >= MAX_PARTICIPANTS:
+                raise ValueError("too many participants")
             self._announce(builtin)
             self._eager_count = EAGER_ANNOUNCEMENTS
-            self._readers_by_writer.clear()
-            for writer, reader in SEDP.values():
-                for own, entity in ((writer, reader), (reader, writer)):
-                    endpoint = Endpoint(prefix + entity, "", "", DISCOVERY_QOS, locators=builtin)
-                    self._own_endpoints[own].match(endpoint)
-            locators = _locators_at(host, parameters.locators(Pid.DEFAULT_UNICAST) or locators)
-            self.remotes[prefix] = RemoteParticipant(host, locators, lease_end)
+            remote = RemoteParticipant(host, defaults, lease_end, now + CHECK_SECONDS)
+        remote.lease_end, remote.locators = lease_end, defaults
+        self._match_discovery(prefix, remote, builtin)
+        self.remotes[prefix] = remote
+
+    def _match_discovery(
+        self, prefix: bytes, remote: RemoteParticipant, locators: tuple[Locator, ...]
+    ) -> None:
+        """Match the endpoints by which this and a remote participant announce endpoints.
+
+        DDS does not authenticate datagrams. One in the name of the remote participant can remove
+        its endpoints, or make it appear that messages have been received. So the newest message is
+        requested now and then, and all of them after malformed datagrams.
+        """
+        is_due = wall.monotonic() >= remote.check_at
+        self._readers_by_writer.clear()
+        for writer, reader in SEDP.values():
+            for entity, other in ((writer, reader), (reader, writer)):
+                endpoint = Endpoint(prefix + other, "", "", DISCOVERY_QOS, locators=locators)
+                own = self._own_endpoints[entity]
+                matched = own.matched.get(endpoint.guid)
+                if matched is None or (is_due and remote.is_suspect):
+                    own.match(endpoint)
+                    continue
+                matched.endpoint = endpoint
+                if is_due and isinstance(matched, MatchedWriter):
+                    matched.requests = 1
+        if is_due:
+            remote.check_at, remote.is_suspect = wall.monotonic() + CHECK_SECONDS, False
 
     def _choose_host(self, hosts: list[str], sender: str) -> str:
         """Choose one address of a remote participant.
@@ -337,7 +365,13 @@ class Participant:
         try:
             self._update_endpoint(sample)
         except MALFORMED as error:
-            self.dropped[type(error).__name__] += 1
+            self._drop(error, sample.writer[:PREFIX_SIZE])
+
+    def _drop(self, error: Exception, sender: bytes) -> None:
+        """Count a malformed datagram."""
+        self.dropped[type(error).__name__] += 1
+        if (remote := self.remotes.get(sender)) is not None:
+            remote.is_suspect = True
 
     def _update_endpoint(self, sample: ReceivedSample) -> None:
         if sample.is_disposed:
@@ -359,11 +393,16 @@ class Participant:
         # An empty sequence of partitions has the length 0.
         has_partition = parameters.number(Pid.PARTITION, 0) > 0
         endpoint = Endpoint(guid, topic, type_name, qos, user_data, locators, has_partition)
+        known = self._endpoints.get(guid)
+        if known is not None and replace(known, locators=locators) != endpoint:
+            self._remove_endpoint(guid)
         if guid not in self._endpoints:
             self._on_endpoint(endpoint, True)
-            self._endpoints[guid] = endpoint
+        self._endpoints[guid] = endpoint
         self._readers_by_writer.clear()
         for own in tuple(self._own_endpoints.values()):
+            if (matched := own.matched.get(guid)) is not None:
+                matched.endpoint = endpoint
             _match(own, endpoint)
 
     def _remove_endpoint(self, guid: bytes) -> None:
@@ -453,7 +492,7 @@ class Participant:
                     if sender in self.remotes:
                         self._last_received_at = wall.monotonic()
         except MALFORMED as error:
-            self.dropped[type(error).__name__] += 1
+            self._drop(error, sender)
         except KeyboardInterrupt:
             self._interrupted.append((data, host))
             raise
@@ -494,6 +533,8 @@ class Participant:
         number, is_final = received.sequence_number(8), bool(received.flags & wire.FINAL)
         if kind in (wire.HEARTBEAT, wire.GAP):
             end, guid = received.sequence_number(16), source + writer
+            if number > end + 1:
+                raise ValueError("a range that ends before it begins")
             for own in self._readers_of(reader, guid):
                 if kind == wire.HEARTBEAT:
                     count = received.unpack("i", 24)

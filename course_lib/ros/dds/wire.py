@@ -28,6 +28,8 @@ PREFIX_SIZE = 12
 # Limit on the numbers in one set.
 MAX_SET = 256
 MAX_MESSAGE = 64 * 2**20  # [B]
+# Limit on sequence numbers, which no writer reaches, and below which sums of numbers can be encoded.
+MAX_SEQUENCE = 2**62
 
 # Submessages
 PAD, ACKNACK, HEARTBEAT, GAP, INFO_TS, INFO_SRC, INFO_DST = 0x01, 0x06, 0x07, 0x08, 0x09, 0x0C, 0x0E
@@ -105,7 +107,10 @@ class Submessage(NamedTuple):
 
     def sequence_number(self, at: int) -> int:
         """Decode the sequence number at a position."""
-        return read_sequence_number(self.body, at, self.order)
+        number = read_sequence_number(self.body, at, self.order)
+        if not 0 <= number <= MAX_SEQUENCE:
+            raise ValueError("an impossible sequence number")
+        return number
 
     def numbers(self, at: int, base: int) -> list[int]:
         """Decode a set of sequence or fragment numbers: a bitmap at a position, relative to `base`."""
