@@ -3,7 +3,7 @@ from .evidence import Check as Check
 from .evidence import Evidence as Evidence
 from .evidence import Verdict as Verdict
 from .evidence import failed as failed
-from .evidence import lightly as lightly
+from .evidence import lightly_weighted as lightly_weighted
 from .evidence import passed as passed
 from .evidence import with_formal as with_formal
 from .inputs import my_values as my_values

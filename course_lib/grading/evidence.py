@@ -139,7 +139,7 @@ def _decode_node(value: Any) -> StartedNode:
     return StartedNode(str(package), str(executable), tuple(map(str, arguments)), str(death))
 
 
-Found = TypeVar("Found")
+Computed = TypeVar("Computed")
 FORMAL_SHARE = 0.1  # fraction of a scenario's weight that its formal checks have
 LARGE = 2_000_000  # [B] size of a message, some 100,000 points, above which messages take most of the time
 LIGHT = 0.05  # factor on a check's weight if students can read its inputs
@@ -209,11 +209,11 @@ class Evidence:
                         messages.append(((sample.stamp_ns - START_NS) / 1e9, sample.message()))
         return self._decoded[topic]
 
-    def compute_once(self, make: Callable[[Evidence], Found]) -> Found:
+    def compute_once(self, make: Callable[[Evidence], Computed]) -> Computed:
         """Return `make(self)`, computed once and shared by all checks."""
         if make not in self._computed:
             self._computed[make] = make(self)
-        found: Found = self._computed[make]
+        found: Computed = self._computed[make]
         return found
 
     @cached_property
@@ -343,7 +343,7 @@ def with_formal(content: Sequence[Check], *formal: Check) -> tuple[Check, ...]:
     return (*content, *(check.requiring(content[0]).worth(each) for check in formal))
 
 
-def lightly(*checks: Check) -> tuple[Check, ...]:
+def lightly_weighted(*checks: Check) -> tuple[Check, ...]:
     """Return the checks with a small part of their weight, for scenarios that students can read.
 
     Hidden scenarios judge the same requirements with other inputs, so that an answer that is

@@ -87,7 +87,7 @@ def build(message: Message, personal: Mapping[str, Any]) -> Any:
 
 
 @dataclass(frozen=True)
-class Found:
+class DetectedObject:
     """An object that a detector reports.
 
     Args:
@@ -130,7 +130,7 @@ def yaw_quaternion(yaw: float) -> dict[str, float]:
 
 
 def detections(
-    found: Iterable[Found],
+    found: Iterable[DetectedObject],
     at: float,
     frame: str = "base_link",
     *,

@@ -23,17 +23,17 @@ from course_lib.grading import (
 MARKERS, ARRAY = "/detections", "visualization_msgs/msg/MarkerArray"
 ABOVE = 0.5  # [m] between the top of a box and its label
 
-PERSON = inputs.Found(1, "Person", (2.0, 1.0, 0.9), (0.5, 0.5, 1.8), 0.95)
-CAR = inputs.Found(2, "Car", (5.0, -2.0, 0.8), (4.5, 2.0, 1.6), 0.9, yaw=0.4)
+PERSON = inputs.DetectedObject(1, "Person", (2.0, 1.0, 0.9), (0.5, 0.5, 1.8), 0.95)
+CAR = inputs.DetectedObject(2, "Car", (5.0, -2.0, 0.8), (4.5, 2.0, 1.6), 0.9, yaw=0.4)
 # A box is drawn for an unsure detection, too.
-BICYCLE = inputs.Found(5, "Bicycle", (3.0, 3.0, 0.5), (1.8, 0.6, 1.0), 0.25)
+BICYCLE = inputs.DetectedObject(5, "Bicycle", (3.0, 3.0, 0.5), (1.8, 0.6, 1.0), 0.25)
 OBJECTS = (PERSON, CAR, BICYCLE)
 COUNT = 6  # messages, twice a second
 # The detector needs this long, so that the stamp of a message is not the time when it arrives.
 DELAY = 0.2  # [s]
 
 
-def walked(found: inputs.Found, steps: int) -> inputs.Found:
+def walked(found: inputs.DetectedObject, steps: int) -> inputs.DetectedObject:
     """The same object some steps of 0.3 m to the left."""
     x, y, z = found.center
     return replace(found, center=(x, y + 0.3 * steps, z))
@@ -44,7 +44,7 @@ TWICE_A_SECOND = tuple(
     for step in range(COUNT)
 )
 # The dog leaves after the second message, and its marker has to go.
-DOG = inputs.Found(8, "Dog", (-1.5, -2.0, 0.3), (0.9, 0.3, 0.6), 0.7)
+DOG = inputs.DetectedObject(8, "Dog", (-1.5, -2.0, 0.3), (0.9, 0.3, 0.6), 0.7)
 DOG_LEAVES = tuple(
     inputs.detections((PERSON, CAR, *[DOG] * (step < 2)), at=0.4 + step / 2, delay=DELAY)
     for step in range(COUNT)
@@ -56,20 +56,20 @@ def color_of(confidence: float) -> tuple[float, float, float, float]:
     return 1.0 - confidence, confidence, 0.0, 0.5
 
 
-def expected_box(found: inputs.Found) -> dict[str, Any]:
+def expected_box(found: inputs.DetectedObject) -> dict[str, Any]:
     """Return the fields of a detection's box that a check compares."""
     color = color_of(found.confidence)
     place = {"position": found.center, "scale": found.size, "yaw": found.yaw}
     return {"type": "CUBE", "id": found.track, **place, "color": color}
 
 
-def above(found: inputs.Found) -> tuple[float, float, float]:
+def above(found: inputs.DetectedObject) -> tuple[float, float, float]:
     """Return the centre of the label, [m]."""
     x, y, z = found.center
     return x, y, z + found.size[2] / 2 + ABOVE
 
 
-def ghost(found: inputs.Found) -> Message:
+def ghost(found: inputs.DetectedObject) -> Message:
     """The expected picture of one box."""
     place = (found.center, found.size, color_of(found.confidence), found.track)
     return inputs.ghost(1, *place, frame="base_link", yaw=found.yaw)
@@ -205,8 +205,8 @@ LABELS = Task(
     personal={"letters": (0.2, 0.25, 0.35, 0.4, 0.45)},  # [m]; without 0.3, the value in the lesson
 )
 
-JUST_SURE = inputs.Found(9, "Sign", (1.0, -3.0, 1.0), (0.6, 0.1, 0.6), my("threshold"))
-NOT_SURE = inputs.Found(8, "Post", (4.0, 1.0, 0.5), (0.1, 0.1, 1.0), my("threshold", times=0.99))
+JUST_SURE = inputs.DetectedObject(9, "Sign", (1.0, -3.0, 1.0), (0.6, 0.1, 0.6), my("threshold"))
+NOT_SURE = inputs.DetectedObject(8, "Post", (4.0, 1.0, 0.5), (0.1, 0.1, 1.0), my("threshold", times=0.99))
 A_BOX = expect_marker(MARKERS, type="CUBE", at=1.0).titled("a box is there at first")
 
 SURE = Task(

@@ -15,7 +15,7 @@ from course_lib.grading import (
     expect_layout,
     expect_value,
     inputs,
-    lightly,
+    lightly_weighted,
     my,
 )
 
@@ -131,7 +131,7 @@ LAYOUT_FOR = Task(
                 Call("odom", {"/front/scan": "LaserScan", "/plan": "Path"}),
                 Call("map", {"/points": "PointCloud2"}),
             ),
-            checks=lightly(
+            checks=lightly_weighted(
                 SCAN_SHOWN.titled("the scan, with best effort"),
                 CLOUD_SHOWN.titled("the point cloud, with best effort"),
                 expect_display("Path", "/plan", properties={"Topic/Reliability Policy": "Reliable"}).titled(
@@ -214,7 +214,7 @@ BATTERY_BAR = Task(
                 Call(1.2, 0.5),
                 Call(-0.1, 1.0),
             ),
-            checks=lightly(
+            checks=lightly_weighted(
                 HALF_FULL,
                 expect_value(
                     [[0.2, 0.2, 0.78], [0.0, 0.0, 0.39], RED],
@@ -263,7 +263,7 @@ DISPLAYS_IN = Task(
         Scenario(
             "public",
             calls=(Call(PLAIN), Call(GROUPS)),
-            checks=lightly(
+            checks=lightly_weighted(
                 expect_value(
                     [["Charge", "Battery"], ["Plan", "Path"]],
                     call=0,

@@ -26,7 +26,7 @@ from course_lib.grading import (
     expect_value,
     failed,
     inputs,
-    lightly,
+    lightly_weighted,
     my,
     passed,
 )
@@ -136,7 +136,7 @@ CAMERA = Task(
                 inputs.set_parameters("/camera", 6.0, frame_rate=61.0),
                 inputs.set_parameters("/camera", 8.0, frame_rate=0.5),
             ),
-            checks=lightly(
+            checks=lightly_weighted(
                 PIXELS.titled("images with pixels").worth(0.2),
                 ACCEPTED,
                 expect_rate(IMAGES, my("frame_rate"), tolerance=0.03, end=2.9).titled(
@@ -157,7 +157,7 @@ CAMERA = Task(
                 inputs.set_parameters("/camera", 1.0, frame_rate=60.0),
                 inputs.set_parameters("/camera", 2.0, frame_rate=1.0),
             ),
-            checks=lightly(
+            checks=lightly_weighted(
                 LIMITS_ACCEPTED,
                 *(
                     expect_rate(IMAGES, hz, begin=begin, end=end)
@@ -180,7 +180,7 @@ CAMERA = Task(
                     frame_rate=7.5,
                 ),
             ),
-            checks=lightly(
+            checks=lightly_weighted(
                 expect_rate(IMAGES, 7.5, begin=2.1)
                 .requiring(PIXELS)
                 .titled("frame_id and frame_rate in one call: 7.5 Hz from 2 s on")
@@ -226,7 +226,7 @@ CAMERA_MONITOR = Task(
                 *camera_images(9.0, 6.0, 9.0),
                 *camera_images(24.0, 9.0, 12.5),
             ),
-            checks=lightly(
+            checks=lightly_weighted(
                 *LEVELS,
                 expect_message(DIAGNOSTICS, NAMES)
                 .requiring(LEVELS[0])
@@ -245,7 +245,7 @@ CAMERA_MONITOR = Task(
                 *camera_images(35.0, 3.0, 6.0),
                 *camera_images(10.0, 9.0, 12.5),
             ),
-            checks=lightly(
+            checks=lightly_weighted(
                 *expect_levels(
                     ("OK", "normal", "25 images in a second"),
                     ("OK", "normal", "35 images in a second"),
@@ -295,7 +295,7 @@ PERFORMANCE_TABLE = Task(
                     }
                 ),
             ),
-            checks=lightly(
+            checks=lightly_weighted(
                 expect_value(ONE, call=0, name="the table of one topic", parts=COLUMNS),
                 expect_value(TWO, call=1, name="the table of two topics", parts=COLUMNS),
                 expect_value(THREE, call=2, name="the table with a silent topic", parts=COLUMNS),
@@ -381,7 +381,7 @@ LATENCY = Task(
                 Call([[0.02, 0.0], [0.12, 0.1], [0.22, 0.2]], []),
                 Call([], [[0.07, 0.0]]),
             ),
-            checks=lightly(
+            checks=lightly_weighted(
                 ONE_OF_TWO,
                 expect_value(
                     [0.06, 0.09, 1 / 3], call=1, name="the answer for two of three images", parts=TIMES

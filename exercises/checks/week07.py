@@ -24,7 +24,7 @@ from course_lib.grading import (
     expect_throughout,
     expect_value,
     inputs,
-    lightly,
+    lightly_weighted,
     my,
 )
 
@@ -32,10 +32,12 @@ MARKERS, PLAN, TRAJECTORY = "/perception/markers", "/planned_path", "/robot_traj
 K = [277.0, 0.0, 159.5, 0.0, 277.0, 119.5, 0.0, 0.0, 1.0]  # [px]
 WIDE = [150.0, 0.0, 99.5, 0.0, 160.0, 74.5, 0.0, 0.0, 1.0]  # [px]: columns and rows differ
 
-PERSON = inputs.Found(1, "Person", (3.0, 2.0, 0.9), (0.5, 0.5, 1.8), 0.92)
-CAR = inputs.Found(2, "Car", (8.0, -3.0, 0.75), (4.5, 2.0, 1.5), 0.7)
-BICYCLE = inputs.Found(5, "Bicycle", (3.0, 3.0, 0.5), (1.8, 0.6, 1.0), 0.45)
-DOG = inputs.Found(7, "Dog", (-1.0, 2.0, 0.3), (0.9, 0.3, 0.6), 0.5)  # just sure enough, and of no color
+PERSON = inputs.DetectedObject(1, "Person", (3.0, 2.0, 0.9), (0.5, 0.5, 1.8), 0.92)
+CAR = inputs.DetectedObject(2, "Car", (8.0, -3.0, 0.75), (4.5, 2.0, 1.5), 0.7)
+BICYCLE = inputs.DetectedObject(5, "Bicycle", (3.0, 3.0, 0.5), (1.8, 0.6, 1.0), 0.45)
+DOG = inputs.DetectedObject(
+    7, "Dog", (-1.0, 2.0, 0.3), (0.9, 0.3, 0.6), 0.5
+)  # just sure enough, and of no color
 OBJECTS = (CAR, DOG, PERSON, BICYCLE)
 SEEN = [inputs.detections(OBJECTS, at=0.2 + step / 5, frame="world") for step in range(19)]  # up to 4 s
 
@@ -69,7 +71,7 @@ BOX_ON_IMAGE = Task(
                 *(Call(K, AHEAD), Call(WIDE, ASIDE), Call(K, EDGE)),
                 *(Call(K, BEYOND), Call(K, CLOSE), Call(WIDE, OUTSIDE)),
             ),
-            checks=lightly(
+            checks=lightly_weighted(
                 IN_MIDDLE,
                 expect_value([118.25, 10.5, 212.0, 66.5], call=1, name="another rectangle", **PX),
                 expect_value([159.5, 119.5, 214.9, 147.2], call=2, name="the one from 0.1 m on", **PX),
@@ -113,7 +115,7 @@ def changed(*checks: Check, **parameters: Any) -> Scenario:
         for place, name in enumerate(parameters)
     ]
     name = f"{', then '.join(parameters)}, set while it runs"
-    return Scenario(name, seconds=3.0, seed=3, inputs=(*SEEN[:14], *sets), checks=lightly(*checks))
+    return Scenario(name, seconds=3.0, seed=3, inputs=(*SEEN[:14], *sets), checks=lightly_weighted(*checks))
 
 
 MARKERS_TASK = Task(
@@ -131,7 +133,7 @@ MARKERS_TASK = Task(
             "public",
             seconds=4.0,  # [s]
             inputs=tuple(SEEN),
-            checks=lightly(
+            checks=lightly_weighted(
                 ALWAYS,
                 PERSON_BOX,
                 DOG_BOX.titled("the dog's box: a class without a color is grey"),
@@ -151,7 +153,7 @@ MARKERS_TASK = Task(
             seconds=4.5,  # [s]
             # The last one is at 2.0 s: whole seconds draw its boxes until 4 s.
             inputs=tuple(SEEN[:10]),
-            checks=lightly(
+            checks=lightly_weighted(
                 PERSON_BEFORE.titled("a box while the detector runs"),
                 expect_gone(MARKERS).requiring(PERSON_BEFORE).titled("no box when the message is too old"),
             ),
@@ -161,7 +163,7 @@ MARKERS_TASK = Task(
             # The last detection is at 1.6 s: a fixed limit of 1 s draws until 2.6 s.
             seconds=2.6,  # [s]
             inputs=(*SEEN[:8], inputs.set_parameters("/perception_node", 0.5, marker_lifetime=0.4)),
-            checks=lightly(
+            checks=lightly_weighted(
                 PERSON_BEFORE.titled("a box with a marker_lifetime of 0.4 s"),
                 expect_gone(MARKERS)
                 .requiring(PERSON_BEFORE)
@@ -198,7 +200,7 @@ TRAJECTORY_TASK = Task(
             "public",
             seconds=6.5,  # [s]
             inputs=tuple(inputs.circling(1.03, 6.49)),
-            checks=lightly(
+            checks=lightly_weighted(
                 KEPT_UP,
                 WAY.titled("the way from its beginning to now"),
                 expect_nothing_before(TRAJECTORY, 1.0).requiring(WAY).titled("nothing until tf2 knows"),
@@ -216,7 +218,7 @@ TRAJECTORY_TASK = Task(
                 inputs.set_parameters("/trajectory_node", 3.5, trajectory_update_rate=10.0),  # [Hz]
                 *inputs.circling(0.53, 4.99, "odom", "base"),
             ),
-            checks=lightly(LAST_20.titled("the last 20 poses, in the frames that were set")),
+            checks=lightly_weighted(LAST_20.titled("the last 20 poses, in the frames that were set")),
         ),
     ),
 )
@@ -330,7 +332,7 @@ PART_AHEAD = Task(
         Scenario(
             "public",
             calls=tuple(Call(*ends) for ends in EDGES),
-            checks=lightly(
+            checks=lightly_weighted(
                 CUT,
                 expect_value([[0.5, 0.5, 0.1], FRONT], call=1, name="the part from behind", **ENDS),
                 expect_value([FRONT, FAR], call=2, name="an edge that is ahead", **ENDS),

@@ -17,7 +17,7 @@ from course_lib.grading import (
     expect_trajectory,
     expect_value,
     inputs,
-    lightly,
+    lightly_weighted,
     my,
 )
 
@@ -79,7 +79,7 @@ JOINT_AT = Task(
                 Call(1.0, -0.2, 4.0, 5.0),
                 Call(0.5, 2.0, 4.0, -1.0),
             ),
-            checks=lightly(
+            checks=lightly_weighted(
                 HALF.requiring(AFTER),
                 expect_value(0.8125, call=1, unit="rad", name="the joint at a quarter of the time"),
                 AFTER.requiring(HALF),
@@ -166,7 +166,9 @@ def rule(name: str, steps: Sequence[tuple[float, float, float]], turn: float = 0
     count = expect_marker_count(PAINT, len(stripes), type="LINE_STRIP").requiring(*stripes)
     # All public scenarios together may earn a tenth of the points.
     count = count.titled(f"{name}: the number of stripes").worth(0.5)
-    return Scenario(name, seconds=2.0, seed=1, inputs=tuple(moves), checks=lightly(each, *stripes, count))
+    return Scenario(
+        name, seconds=2.0, seed=1, inputs=tuple(moves), checks=lightly_weighted(each, *stripes, count)
+    )
 
 
 POINTWISE = each_point((FIRST, SECOND))
@@ -188,7 +190,7 @@ PAINT_NODE = Task(
             seconds=LATE + 5.0,  # [s]
             seed=1,
             inputs=tuple(motion()),
-            checks=lightly(
+            checks=lightly_weighted(
                 expect_marker_count(PAINT, 2, type="LINE_STRIP")
                 .requiring(*SWEEPS)
                 .titled("two stripes, two ids"),
@@ -249,7 +251,7 @@ LIFT_AND_ELBOW = Task(
                 Call(0.01, -0.02),
                 Call(*folded(-1.9, 0.4)),
             ),
-            checks=lightly(
+            checks=lightly_weighted(
                 ABOVE,
                 expect_value(
                     [0.3, math.pi / 2],
@@ -297,7 +299,7 @@ COVERAGE = Task(
                 Call([[0.2, -1.0, 1.0], [3.0, 0.0, 1.0]], 1.0, 2.5),
                 Call([[0.2, 0.0, 1.0], [0.25, 0.5, 2.0]], 1.0, 2.5),
             ),
-            checks=lightly(
+            checks=lightly_weighted(
                 ONE_STRIPE,
                 expect_value(0.15, call=1, tolerance=0.01, name="the coverage of two that overlap"),
                 expect_value(0.05, call=2, tolerance=0.01, name="the coverage of stripes beside the wall"),

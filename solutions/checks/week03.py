@@ -18,9 +18,9 @@ from course_lib.grading import (
 )
 
 MARKERS, ARRAY = "/detections", "visualization_msgs/msg/MarkerArray"
-TRUCK = inputs.Found(7, "Truck", (-4.0, 1.5, 1.4), (6.0, 2.4, 2.8), 0.4, yaw=-1.1)
-DOG = inputs.Found(3, "Dog", (1.2, -0.6, 0.3), (0.9, 0.3, 0.6), 0.62)
-CHILD = inputs.Found(12, "Child", (0.8, 2.0, 0.55), (0.4, 0.4, 1.1), 0.999)
+TRUCK = inputs.DetectedObject(7, "Truck", (-4.0, 1.5, 1.4), (6.0, 2.4, 2.8), 0.4, yaw=-1.1)
+DOG = inputs.DetectedObject(3, "Dog", (1.2, -0.6, 0.3), (0.9, 0.3, 0.6), 0.62)
+CHILD = inputs.DetectedObject(12, "Child", (0.8, 2.0, 0.55), (0.4, 0.4, 1.1), 0.999)
 TRUCK_COLOR, CHILD_COLOR = (0.6, 0.4, 0.0, 0.5), (0.001, 0.999, 0.0, 0.5)
 
 # A truck, in another frame, at another rate, for longer.

@@ -27,10 +27,10 @@ from course_lib.grading import (
 MARKERS, PLAN, TRAJECTORY = "/perception/markers", "/planned_path", "/robot_trajectory"
 K = [138.0, 0.0, 79.5, 0.0, 140.0, 59.5, 0.0, 0.0, 1.0]  # [px]: columns and rows differ
 
-DOG = inputs.Found(3, "Dog", (1.2, -0.6, 0.3), (0.9, 0.3, 0.6), 0.62)
-CAR = inputs.Found(8, "Car", (-4.0, 1.5, 0.9), (4.0, 1.9, 1.8), 0.5)  # just sure enough
-BICYCLE = inputs.Found(4, "Bicycle", (0.8, 2.0, 0.5), (1.7, 0.5, 1.0), 0.97)
-UNSURE = inputs.Found(6, "Car", (5.0, 5.0, 0.9), (4.0, 1.9, 1.8), 0.499)
+DOG = inputs.DetectedObject(3, "Dog", (1.2, -0.6, 0.3), (0.9, 0.3, 0.6), 0.62)
+CAR = inputs.DetectedObject(8, "Car", (-4.0, 1.5, 0.9), (4.0, 1.9, 1.8), 0.5)  # just sure enough
+BICYCLE = inputs.DetectedObject(4, "Bicycle", (0.8, 2.0, 0.5), (1.7, 0.5, 1.0), 0.97)
+UNSURE = inputs.DetectedObject(6, "Car", (5.0, 5.0, 0.9), (4.0, 1.9, 1.8), 0.499)
 OBJECTS = (DOG, CAR, BICYCLE, UNSURE)
 
 
