@@ -95,12 +95,14 @@ class Advice:
 
     A hint for the cause of the failure always comes first. The ladder of the task's own hints,
     whose last step is nearly the answer, is for students who are stuck: it advances only if a check
-    ends like the previous one, with the same cause and no more checks passed. A student who fixes
-    one mistake after another never sees it.
+    fails for a cause of an earlier check, and no more checks pass than in the previous one. A
+    student who fixes one mistake after another never sees it.
     """
 
     def __init__(self) -> None:
         self._before: dict[str, _TaskProgress] = {}
+        # The causes of all earlier checks: a student may go back and forth between two mistakes.
+        self._seen: set[tuple[str, tuple[str, ...]]] = set()
         self._steps: Counter[str] = Counter()
 
     def notes(
@@ -172,8 +174,10 @@ class Advice:
             # The cell and the line change from run to run.
             causes = [re.sub(r" \((cell In\[\d+\], )?line \d+.*", "", result.errors[0], flags=re.DOTALL)]
         passed_count = sum(check.passed for check in result.checks)
-        now, before = _TaskProgress(tuple(causes), passed_count, result.fraction), self._before.get(task.id)
+        now, before = _TaskProgress(passed_count, result.fraction), self._before.get(task.id)
         self._before[task.id] = now
+        is_new = (task.id, tuple(causes)) not in self._seen
+        self._seen.add((task.id, tuple(causes)))
         code = Code(source)
         # rclpy calls a callback that is None itself, so that no line of the student's has failed.
         has_line = bool(result.errors) and bool(re.search(r"line \d", result.errors[0]))
@@ -224,7 +228,7 @@ class Advice:
                 else BETTER
             )
             return [better, *lines]
-        if before == now or not lines:
+        if not is_new or not lines:
             lines += self._next_step(task, code)
         return lines
 
@@ -240,9 +244,8 @@ class Advice:
 
 @dataclass(frozen=True)
 class _TaskProgress:
-    """A student's progress at a check: the first cause of failure, passed checks and share of points."""
+    """A student's progress at a check: the passed checks and the share of the points."""
 
-    causes: tuple[str, ...]
     passed: int
     fraction: float
 

@@ -62,7 +62,7 @@ JOINT_WAVE = Task(
     kind="node",
     name="JointWaveNode",
     hints=(
-        "state.position needs six numbers, in the order of NAMES. Which joint is the first one?",
+        "Of the six numbers, in the order of NAMES, only the first and the third change with the time.",
         "A sine that swings 0.25 times a second is sin(2 pi * 0.25 * time). The elbow swings twice as fast.",
         "state.position = [A sin(angle), -1.2, 0.5 sin(2 angle), 0.0, 0.0, 0.0], with A your amplitude.",
     ),

@@ -135,6 +135,19 @@ def test_hint_ladder_does_not_advance_while_faults_are_fixed_one_by_one() -> Non
     assert all(lines[0].startswith("Hint: ") for lines in shown)
 
 
+def test_hint_ladder_advances_while_a_student_alternates_between_two_mistakes() -> None:
+    advice = Advice()
+    kinds = (MISTAKE, "a value is missing", MISTAKE, "a value is missing")
+    shown = [advice.hint(TASK, result(failing(kind))) for kind in kinds]
+    assert [lines[1:] for lines in shown] == [[], [], ["Hint 1 of 3: one"], ["Hint 2 of 3: two"]]
+
+
+def test_hint_ladder_advances_if_fewer_checks_pass_for_the_same_cause() -> None:
+    advice, size = Advice(), failing(MISTAKE, "its size")
+    advice.hint(TASK, result(failing(MISTAKE), PASSING))
+    assert advice.hint(TASK, result(failing(MISTAKE), size))[1:] == ["Hint 1 of 3: one"]
+
+
 SOURCE = """
     def draw(self):
         cube = Marker(ns="cubes")
