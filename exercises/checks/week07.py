@@ -35,9 +35,8 @@ WIDE = [150.0, 0.0, 99.5, 0.0, 160.0, 74.5, 0.0, 0.0, 1.0]  # [px]: columns and 
 PERSON = inputs.DetectedObject(1, "Person", (3.0, 2.0, 0.9), (0.5, 0.5, 1.8), 0.92)
 CAR = inputs.DetectedObject(2, "Car", (8.0, -3.0, 0.75), (4.5, 2.0, 1.5), 0.7)
 BICYCLE = inputs.DetectedObject(5, "Bicycle", (3.0, 3.0, 0.5), (1.8, 0.6, 1.0), 0.45)
-DOG = inputs.DetectedObject(
-    7, "Dog", (-1.0, 2.0, 0.3), (0.9, 0.3, 0.6), 0.5
-)  # just sure enough, and of no color
+# Its confidence is just sufficient, and its class has no color.
+DOG = inputs.DetectedObject(7, "Dog", (-1.0, 2.0, 0.3), (0.9, 0.3, 0.6), 0.5)
 OBJECTS = (CAR, DOG, PERSON, BICYCLE)
 SEEN = [inputs.detections(OBJECTS, at=0.2 + step / 5, frame="world") for step in range(19)]  # up to 4 s
 
