@@ -4,9 +4,12 @@
 Many of the calls are wrong on purpose.
 """
 
+import tempfile
+from pathlib import Path
 from typing import Any
 
 import rclpy
+import rclpy.utilities
 from probing import lines, main, outcome, said
 from rclpy.context import Context
 from rclpy.logging import get_logger_effective_level, get_logger_level
@@ -64,6 +67,102 @@ LEVELS = {
     "no_value_of_file": ("--params-file",),
 }
 lines("level", **{name: lambda words=words: levels_of(*words) for name, words in LEVELS.items()})
+
+
+VALUES = ("true", "2", "0.5", "x", "[true]", "[2]", "[0.5]", "[x]", "[]")
+FILE = "{}:\n  ros__parameters:\n    p: {}\n"
+
+
+def value_of(*words: Any) -> Any:
+    """Return the value of a parameter that a command line sets several times."""
+    rclpy.shutdown()
+    rclpy.init(args=["--ros-args", *words])
+    node = Node("n", automatically_declare_parameters_from_overrides=True)
+    return {name: one.value for name, one in node.get_parameters_by_prefix("").items() if name in NAMES}
+
+
+NAMES = ("p", "_p", "p__", "/p", "/a/p", "__p", "a.__p", "a/__p")
+
+
+def values_of(first: Any, second: Any) -> Any:
+    """Return the values of a parameter, with any two of four values: for all nodes and for one."""
+    pairs = (("2", "0.5"), ("0.5", "2"), ("x", "2"), ("2", "3"))
+    with tempfile.TemporaryDirectory() as folder:
+        found = []
+        for values in pairs:
+            words = []
+            for place, value in zip((first, second), values, strict=True):
+                if place.startswith("-p "):
+                    words += ["-p", f"{place[3:]}p:={value}"]
+                else:
+                    file = Path(folder, f"{len(words)}.yaml")
+                    file.write_text(FILE.format(place, value))
+                    words += ["--params-file", str(file)]
+            found.append(outcome(value_of, *words))
+    return found
+
+
+lines(
+    "two_values",
+    **{
+        f"{first}_{second}": lambda first=first, second=second: value_of(
+            "-p", f"p:={first}", "-p", f"p:={second}"
+        )
+        for first in VALUES
+        for second in VALUES
+        if (first, second) != ("[]", "[]")
+    },
+    three=lambda: value_of("-p", "p:=2", "-p", "n:p:=0.5", "-p", "p:=3"),
+    three_types=lambda: value_of("-p", "p:=x", "-p", "p:=2", "-p", "p:=0.5"),
+)
+PLACES = ("/**", "n", "-p ", "-p n:")
+lines(
+    "two_places",
+    **{
+        f"{first}_then_{second}": lambda first=first, second=second: values_of(first, second)
+        for first in PLACES
+        for second in PLACES
+    },
+)
+RULES = (
+    "__p:=1",
+    "_p:=1",
+    "p__:=1",
+    "a.__p:=1",
+    "a/__p:=1",
+    "~p:=1",
+    "~/p:=1",
+    "/p:=1",
+    "/a/p:=1",
+    "n:__p:=1",
+)
+lines(
+    "parameter_rule",
+    **{
+        rule: lambda rule=rule: value_of("-p", rule)
+        for rule in (*RULES, "rostopic://p:=1", "n:rosservice://p:=1")
+    },
+)
+
+
+def services_of_old_rule(rule: Any) -> Any:
+    """Return the names that a remapping in the form of ROS 1 changes, and what rcl logs."""
+    rclpy.shutdown()
+    logged = said(lambda: rclpy.init(args=["program", rule]) and None)
+    node = Node("n")
+    return logged, node.resolve_topic_name("a"), node.resolve_service_name("a")
+
+
+lines(
+    "old_rule",
+    topic=lambda: services_of_old_rule("rostopic://a:=b"),
+    service=lambda: services_of_old_rule("rosservice://a:=b"),
+    both=lambda: services_of_old_rule("a:=b"),
+    removed=lambda: said(lambda: rclpy.utilities.remove_ros_args(["program", "a:=b", "x", "--ros-args"])),
+    removed_with_error=lambda: said(
+        lambda: rclpy.utilities.remove_ros_args(["program", "a:=b", "--ros-args", "-p", "c"])
+    ),
+)
 
 
 def initialized(level: Any, **options: Any) -> Any:

@@ -88,12 +88,23 @@ def test_parameter_file_selects_nodes_by_name_namespace_and_wildcard(
     assert (node == "/talker") == ("arm.joints" in found)
 
 
-def test_later_value_of_a_parameter_wins(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("content", "first_file", "last_file"),
+    [
+        ("talker: {ros__parameters: {speed: 2.0}}", 9.0, 2.0),
+        ("/**: {ros__parameters: {speed: 2.0}}", 9.0, 2.0),
+        # rcl has one list of nodes, and -p adds to the entry of the file.
+        (PARAMETERS, 2.0, 2.0),
+    ],
+)
+def test_value_of_the_later_entry_of_nodes_or_within_an_entry_wins(
+    tmp_path: Path, content: str, first_file: float, last_file: float
+) -> None:
     file = tmp_path / "params.yaml"
-    file.write_text(PARAMETERS)
+    file.write_text(content)
     from_file, given = ["--params-file", str(file)], ["-p", "speed:=9.0"]
-    assert parse(["--ros-args", *from_file, *given]).parameters("/talker")["speed"].value == 9.0
-    assert parse(["--ros-args", *given, *from_file]).parameters("/talker")["speed"].value == 2.0
+    assert parse(["--ros-args", *from_file, *given]).parameters("/talker")["speed"].value == first_file
+    assert parse(["--ros-args", *given, *from_file]).parameters("/talker")["speed"].value == last_file
 
 
 @pytest.mark.parametrize(
@@ -305,6 +316,10 @@ node.create_publisher(String, "chatter", 10)
             "the parameters are for /other, and the program's node is /camera",
         ),
         ("--params-file other.yaml", "--params-file other.yaml is not read: write --ros-args before it"),
+        (
+            "--ros-args -p rate:=5 -p rate:=2.5",
+            "the parameter rate is 5, not 2.5: of values with different types",
+        ),
         ("--ros-args -r chatter:=b -p rate:=5.0", ""),
         ("--ros-args -r /scan:=/front/scan -p use_sim_time:=false -p gain:=1.0", ""),
         ("--ros-args --params-file both.yaml", ""),

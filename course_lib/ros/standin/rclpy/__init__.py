@@ -68,13 +68,16 @@ def init(
         print_notice("rclpy.init() was already called; everything keeps running.")
         return InitContextManager(used_context)
     try:
-        used_context.init(args, domain_id=domain_id)
+        try:
+            used_context.init(args, domain_id=domain_id)
+        finally:
+            # rcl logs them even if a later argument is invalid.
+            if isinstance(used_context, Context):
+                used_context.arguments.log_warnings(_get_logger("rcl").warning)
     except _RCLError as error:
         if str(error).startswith(NOT_INITIALIZED):
             _get_logger("rcl").error("Failed to parse global arguments")
         raise
-    for warning in used_context.arguments.warnings:
-        _get_logger("rcl").warning(warning)
     if signal_handler_options is None:
         signal_handler_options = SignalHandlerOptions.ALL if context is None else SignalHandlerOptions.NO
     if not used_context.graph.notebook:

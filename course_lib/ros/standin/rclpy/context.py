@@ -53,7 +53,8 @@ class Context(AbstractContextManager["Context"]):
         if not isinstance(args, list | None) or not is_number:
             raise TypeError("__init__(): incompatible constructor arguments.")
         try:
-            self.arguments = parse(sys.argv if args is None else args)
+            self.arguments = Arguments()
+            parse(sys.argv if args is None else args, self.arguments)
             # The cells of a notebook are not a program, whose end reports them.
             if program.name or not self.graph.notebook:
                 current_graph().state(ProgramNodes).find_slips.append(self.arguments.find_unused)

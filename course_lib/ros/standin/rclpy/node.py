@@ -146,8 +146,7 @@ class Node:
             error = NotInitializedException("cannot create node")
             raise marked(error, Mistake.SHUT_DOWN) if current_graph().state(Contexts).initialized else error
         local = parse([] if cli_args is None else cli_args)
-        for warning in local.warnings:
-            get_logger("rcl").warning(warning)
+        local.log_warnings(get_logger("rcl").warning)
         arguments = merge_arguments(local, context.arguments) if use_global_arguments else local
         self.__handle = enter_graph(context, node_name, namespace or "", arguments)
         # A node whose constructor raises leaves the graph.

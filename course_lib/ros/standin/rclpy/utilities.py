@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from rclpy.context import Context
 from rclpy.context import get_default_context as get_default_context
 from rclpy.duration import S_TO_NS
-from rclpy.impl.arguments import strip_ros_arguments
+from rclpy.impl.arguments import Arguments, strip_ros_arguments
+from rclpy.logging import get_logger
 
 RMW = "rmw_course_lib"
 
@@ -42,7 +43,11 @@ def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
     Arguments between `--ros-args` and `--` are removed, and so are remappings like
     `chatter:=other`.
     """
-    return strip_ros_arguments(sys.argv if args is None else args)
+    parsed = Arguments()
+    try:
+        return strip_ros_arguments(sys.argv if args is None else args, parsed)
+    finally:
+        parsed.log_warnings(get_logger("rcl").warning)
 
 
 def timeout_sec_to_nsec(timeout_sec: float | None) -> int:

@@ -1,7 +1,7 @@
 """The arguments after `--ros-args` on a command line: parameters, remappings, log levels."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any
@@ -21,6 +21,8 @@ INVALID_ARGUMENTS = "Failed to parse ROS arguments: "
 # Topics and services that every node has.
 _OF_EACH_NODE = ("/rosout", "/parameter_events")
 _SCHEMES: dict[str, names.Kind] = {"rostopic": "topic", "rosservice": "service"}
+# In the order in which rclpy reads the values of a parameter, each before lists of any type.
+_TYPES = (bool, int, float, str)
 _FLAGS = {"-p": "--param", "-r": "--remap"}
 # rcl's term for the value of each flag, and its message if the value is missing.
 _WORDS = {
@@ -133,6 +135,11 @@ class Arguments:
                 if near:
                     yield f"no node declares the parameter {name}. Did you mean {near}?"
 
+    def log_warnings(self, log: Callable[[str], object]) -> None:
+        """Pass each warning to `log`, once."""
+        while self.warnings:
+            log(self.warnings.pop(0))
+
     def parameters(self, full_node_name: str) -> dict[str, Parameter]:
         """Return the parameter overrides of one node, by parameter name."""
         self.requested.nodes.add(full_node_name)
@@ -152,14 +159,17 @@ class Arguments:
         return (rule for rule in self.remaps if rule.node in (None, node_name))
 
 
-def parse(args: Sequence[str]) -> Arguments:
-    """Parse a command line.
+def parse(args: Sequence[str], parsed: Arguments | None = None) -> Arguments:
+    """Parse a command line into `parsed`, by default new arguments, and return them.
+
+    The warnings about arguments before an invalid one are stored, too.
 
     Raises:
         RCLInvalidROSArgsError: An argument is malformed; the message is rcl's.
         UnknownROSArgsError: There are arguments that ROS does not know.
     """
-    parsed, unknown = Arguments(), list[str]()
+    parsed = Arguments() if parsed is None else parsed
+    unknown = list[str]()
     words = _split(args)
     before = ""
     for word, is_for_ros in words:
@@ -195,7 +205,35 @@ def parse(args: Sequence[str]) -> Arguments:
             raise RCLInvalidROSArgsError(f"{INVALID_ARGUMENTS}{complaint}") from error
     if unknown:
         raise UnknownROSArgsError(repr(unknown))
+    _merge_values(parsed)
     return parsed
+
+
+def _merge_values(parsed: Arguments) -> None:
+    """Keep one value of each parameter that has several ones for the same nodes.
+
+    rcl stores a value of each type, and rclpy reads the first one in the order of the types. The
+    order of files and arguments only matters for values of one type, and for different nodes.
+    """
+    merged: dict[str, tuple[str, dict[str, Any]]] = {}
+    for nodes, values in parsed.overrides:
+        _, kept = merged.setdefault(nodes if nodes.startswith("/") else f"/{nodes}", (nodes, {}))
+        for name, value in values.items():
+            if name not in kept or _order_of_type(value) <= _order_of_type(kept[name]):
+                kept[name] = value
+            elif value != []:
+                parsed.ignored.append(
+                    f"the parameter {name} is {kept[name]!r}, not {value!r}: of values with different types, "
+                    "ROS uses the first one in the order bool, int, float, str. Write both with one type."
+                )
+    parsed.overrides = list(merged.values())
+
+
+def _order_of_type(value: Any) -> int:
+    """Return the position of a value's type in the order of rclpy. In rcl an empty list has no type."""
+    item = value[0] if isinstance(value, list) and value else value
+    kind = _TYPES.index(type(item)) if type(item) in _TYPES else len(_TYPES)
+    return kind + len(_TYPES) * isinstance(value, list)
 
 
 def merge_arguments(first: Arguments, second: Arguments) -> Arguments:
@@ -205,9 +243,9 @@ def merge_arguments(first: Arguments, second: Arguments) -> Arguments:
     return Arguments(remaps, overrides, levels, requested=second.requested)
 
 
-def strip_ros_arguments(args: Sequence[str]) -> list[str]:
+def strip_ros_arguments(args: Sequence[str], parsed: Arguments) -> list[str]:
     """Return the arguments of the program itself. Raises the errors of `parse`."""
-    parse(args)
+    parse(args, parsed)
     return [word for word, is_for_ros in _split(args) if not is_for_ros and _ros_1_remap(word) is None]
 
 
@@ -235,7 +273,8 @@ def _ros_1_remap(word: str) -> Remap | None:
         _check_remap(match, to)
     except ValueError:
         return None
-    return Remap(node, "__node" if match == "__name" else match, to)
+    kind = _SCHEMES.get(rule["kind"] or "")
+    return Remap(node, "__node" if match == "__name" else match, to, kind)
 
 
 def _add(parsed: Arguments, flag: str, value: str) -> None:
@@ -259,8 +298,8 @@ def _add(parsed: Arguments, flag: str, value: str) -> None:
         node, match, to = rule.group("node", "match", "to")
         if flag == "--param":
             # The errors of rcl's parser for a character that a parameter name cannot contain.
-            wrong = re.search(r"[^\w./]|\.(?=\.|$)", match, re.ASCII)
-            if re.match(r"[^A-Za-z_~/]", match):
+            wrong = re.search(r"[^\w./]|\.(?=\.|$)|(?<=/)__", match, re.ASCII)
+            if rule["kind"] or re.search(r"^[^A-Za-z_/]|(?:^|\.)__", match):
                 raise ValueError("Expecting token or wildcard")
             if wrong is not None:
                 at = wrong.start()
