@@ -317,8 +317,8 @@ node.create_publisher(String, "chatter", 10)
         ),
         ("--params-file other.yaml", "--params-file other.yaml is not read: write --ros-args before it"),
         (
-            "--ros-args -p rate:=5 -p rate:=2.5",
-            "the parameter rate is 5, not 2.5: of values with different types",
+            "--ros-args -p rate:=5.0 -p rate:=x",
+            "the parameter rate is 5.0, not 'x': of values with different types",
         ),
         ("--ros-args -r chatter:=b -p rate:=5.0", ""),
         ("--ros-args -r /scan:=/front/scan -p use_sim_time:=false -p gain:=1.0", ""),

@@ -7,12 +7,11 @@ from enum import IntEnum
 
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.time.time_lock import time_lock
-from rclpy.context import Context
+from rclpy.context import Context, get_default_context
 from rclpy.duration import Duration
 from rclpy.exceptions import NotInitializedException
 from rclpy.time import ClockType as ClockType
 from rclpy.time import Time
-from rclpy.utilities import get_default_context
 
 
 class ClockChange(IntEnum):
