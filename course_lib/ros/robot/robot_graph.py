@@ -70,6 +70,8 @@ RECENT_NS = 5 * 10**9  # [ns]
 MAX_LOST = 0.2
 # Number of messages before the fraction of lost messages is evaluated.
 MIN_MESSAGES = 50
+# Limit on publishers of a topic whose sequence numbers are remembered.
+MAX_PUBLISHERS = 1000
 
 OnTopicPacket = Callable[["TopicSubscription", Packet], None]
 
@@ -93,6 +95,8 @@ class Traffic:
         last = self._last_sequence.get(packet.gid, packet.sequence)
         self.lost += max(0, packet.sequence - last - 1)
         self._last_sequence[packet.gid] = max(last, packet.sequence)
+        if len(self._last_sequence) > MAX_PUBLISHERS:
+            del self._last_sequence[next(iter(self._last_sequence))]
         self.received += 1
         self._recent.append((packet.received_ns, len(packet.cdr)))
         self._lags_ns.append(packet.received_ns - packet.source_ns)
@@ -225,7 +229,7 @@ class TopicSubscriptions:
             subscription.users.add(endpoint)
             return
         if subscription is None:
-            subscription = self._by_key[key] = TopicSubscription(topic, type_name, latched_count)
+            subscription = TopicSubscription(topic, type_name, latched_count)
             subscription.inbox = Inbox(self.link.actions, partial(self.on_message, subscription))
         else:
             # The shared subscription is replaced by one that requests more latched messages.
@@ -234,6 +238,7 @@ class TopicSubscriptions:
         on_packet = subscription.inbox.put
         subscription.declaration = self.link.subscriber(topic, type_name, qos, latched_count, on_packet)
         subscription.users.add(endpoint)
+        self._by_key[key] = subscription
 
     def remove(self, endpoint: int) -> None:
         """Unsubscribe an endpoint. A topic without endpoints is no longer transmitted."""
@@ -334,6 +339,8 @@ class Services:
         self.deliver(info.topic, info.type_name, SERVICE_HEADER.pack(REMOTE_CLIENT, number) + cdr)
 
 
+# Limit on the depth of remote endpoints, because the kit keeps or requests so many latched messages.
+MAX_DEPTH = 10_000
 # Limit on departed publishers whose latched messages are kept.
 MAX_LATCHED = 100
 
@@ -395,7 +402,8 @@ class RemoteEntities:
         return self._nodes[entity.node_key]
 
     def _add(self, entity: Entity, node: int) -> int:
-        topic, type_name, qos = entity.topic, entity.type_name, entity.qos
+        topic, type_name = entity.topic, entity.type_name
+        qos = replace(entity.qos, depth=min(entity.qos.depth, MAX_DEPTH))
         if entity.kind == "publisher":
             endpoint = Graph.add_publisher(self.graph, node, topic, type_name, qos)
             self._publishers[entity.gid] = endpoint

@@ -248,6 +248,8 @@ ADMIN = "@ros2_lv"  # the first part of every liveliness token
 # The depth for an empty field or a depth of 0.
 DEFAULT_DEPTH = 42
 INFINITE = (9_223_372_036, 854_775_807)  # RMW_DURATION_INFINITE, [s] and [ns]
+# Names of nodes, namespaces, topics and services, each part after the first with a slash.
+NAME = re.compile(r"/?[A-Za-z0-9_]+(/[A-Za-z0-9_]+)*")
 # Number of parts of a token. Rolling appends a 14th part to an endpoint's token.
 NODE_PARTS, ENDPOINT_PARTS = 9, 13
 ATTACHMENT = struct.Struct("<qqB16s")  # sequence number, time [ns since 1970], length of the GID, GID
@@ -342,19 +344,20 @@ def read_token(key: str) -> ZenohEntity | None:
             namespace=_demangle(parts[7]),
             node=parts[8],
         )
-        if entity.kind == "node":
-            return entity
-        topic, type_name, type_hash, qos = parts[9:ENDPOINT_PARTS]
-        return replace(
-            entity,
-            topic=_demangle(topic),
-            type_name=ros_type(type_name),
-            type_hash=type_hash,
-            qos=decode_qos(qos),
-        )
+        names = [entity.node] if entity.namespace == "/" else [entity.node, entity.namespace]
+        if entity.kind != "node":
+            topic, dds_name, type_hash, qos = parts[9:ENDPOINT_PARTS]
+            topic, type_name = _demangle(topic), ros_type(dds_name)
+            names += [topic, type_name]
+            # Splitting the type raises a ValueError unless it has three parts.
+            dds_type(type_name)
+            entity = replace(
+                entity, topic=topic, type_name=type_name, type_hash=type_hash, qos=decode_qos(qos)
+            )
     except ValueError:
-        # A part is missing or not a number.
+        # A part is missing, not a number or impossible. Anyone in the network can declare tokens.
         return None
+    return entity if all(map(NAME.fullmatch, names)) else None
 
 
 def encode_qos(qos: Qos) -> str:
@@ -378,11 +381,14 @@ def decode_qos(text: str) -> Qos:
         ValueError: The string is not an encoded QoS.
     """
     reliability, durability, history_policy, deadline, lifespan, liveliness_policy = text.split(":")
-    history, depth = history_policy.split(",")
+    history, depth_text = history_policy.split(",")
+    depth = int(depth_text or DEFAULT_DEPTH)
+    if depth < 0:
+        raise ValueError(f"the depth {depth}")
     liveliness, lease = liveliness_policy.split(",", 1)
     return Qos(
         history=cast('Literal["keep_last", "keep_all"]', _decode_policy(_HISTORY, history)),
-        depth=int(depth or DEFAULT_DEPTH),
+        depth=depth,
         reliability=cast('Literal["reliable", "best_effort"]', _decode_policy(_RELIABILITY, reliability)),
         durability=cast('Literal["volatile", "transient_local"]', _decode_policy(_DURABILITY, durability)),
         deadline_ns=_decode_span(deadline),
@@ -438,6 +444,8 @@ def _decode_span(text: str) -> int | None:
     seconds, nanoseconds = (
         int(value or infinite) for value, infinite in zip(text.split(","), INFINITE, strict=True)
     )
+    if not (0 <= seconds <= INFINITE[0] and 0 <= nanoseconds < 10**9):
+        raise ValueError(f"the duration {text}")
     return None if (seconds, nanoseconds) == INFINITE else seconds * 10**9 + nanoseconds
 
 

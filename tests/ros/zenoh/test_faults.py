@@ -1,6 +1,8 @@
+import random
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from math import copysign
 
@@ -10,12 +12,14 @@ from std_msgs.msg import String
 
 from course_lib.ros.graph.graph import use_graph
 from course_lib.ros.graph.topics import Qos
-from course_lib.ros.messages import deserialize, serialize, type_name
+from course_lib.ros.messages import deserialize, message_class, serialize, type_name
 from course_lib.ros.messages.definitions import type_hash
 from course_lib.ros.robot.link import NO_STOP, STOP_IS_DUE, Packet, clock_warning
 from course_lib.ros.robot.robot_graph import (
     MAX_BYTES,
+    MAX_DEPTH,
     MAX_MESSAGES,
+    MAX_PUBLISHERS,
     Inbox,
     RobotGraph,
     TopicSubscription,
@@ -28,15 +32,18 @@ from course_lib.ros.zenoh.link import encode_attachment, key_expr_of, open_sessi
 from course_lib.tools.sources import GraphSource
 from tests.patience import PATIENCE
 from tests.processes import Program
-from tests.ros.zenoh.conftest import Kits, Routers
+from tests.ros.zenoh.conftest import Kits, Routers, zenoh_link
+from tests.ros.zenoh.mutations import Mutations
 from tests.ros.zenoh.test_two_kits import (
     BEST_EFFORT,
     LATCHED,
     MOVING,
     STRING,
+    VOLATILE,
     connect,
     listener,
     say,
+    serve,
     speeds,
     talker,
     texts,
@@ -44,6 +51,8 @@ from tests.ros.zenoh.test_two_kits import (
 )
 
 RESTARTS = 3
+# 100,000 need 2 minutes; they were sent once.
+MUTATIONS = 3_000
 A_MESSAGES_WAY = 20.0  # latency limit of the fastest message on a machine under load [s]
 
 
@@ -150,6 +159,49 @@ def test_lost_messages_are_counted_by_gaps_in_the_sequence_numbers() -> None:
     traffic.reset_sequences()
     traffic.add(packet(50, gid=b"a"))
     assert (traffic.received, traffic.lost) == (6, 2)
+
+
+def test_sequence_numbers_of_a_bounded_number_of_publishers_are_kept() -> None:
+    traffic = Traffic()
+    for number in range(2 * MAX_PUBLISHERS):
+        traffic.add(packet(1, gid=b"%d" % number))
+    assert len(traffic._last_sequence) == MAX_PUBLISHERS
+
+
+def test_publisher_with_a_huge_depth_is_listed_and_requested_with_a_bounded_one(kits: Kits) -> None:
+    student, taken = kits.join(), list[object]()
+    student.tap(taken.append)
+    session = open_session(kits.address)
+    qos = Qos(depth=2**70, durability="transient_local")
+    node = zenoh_link(student).node("robot", "/")
+    entity = replace(node, zid=str(session.zid()), kind="publisher", topic="/map", type_name=STRING)
+    token = session.liveliness().declare_token(replace(entity, type_hash=type_hash(STRING), qos=qos).token)
+    kits.until(lambda: list(student._subscriptions), "the subscription of the tap")
+    assert [info.qos.depth for info in student._remote.publisher_infos()] == [MAX_DEPTH]
+    token.undeclare()
+    session.close()
+
+
+def test_changed_tokens_messages_and_requests_raise_nothing(kits: Kits) -> None:
+    student, session = kits.join(call="/set"), open_session(kits.address)
+    messages = []
+    for kind in (STRING, type_name(Twist)):
+        topic = f"/{kind.rpartition('/')[2].lower()}"
+        heard = [listener(student, topic, kind, qos) for qos in (VOLATILE, LATCHED)]
+        messages.append((topic, kind, serialize(message_class(kind)())))
+    serve(student, "/set")
+    # It subscribes to everything that the tokens announce.
+    student.tap(lambda sample: None)
+    service = ("/set", "std_srvs/srv/Trigger", b"\0\1\0\0\0")
+    victim = zenoh_link(student).node("victim", "/").zid
+    changes = Mutations(random.Random(0), session, victim, student.link.domain, messages, [service])
+    for number in range(MUTATIONS):
+        changes.send()
+        if number % 5 == 0:
+            student.advance()
+    kits.until(student.link.actions.empty, "the end of the queue")
+    assert all(heard)
+    session.close()
 
 
 def test_messages_lost_on_a_slow_link_are_reported_with_their_rate(kits: Kits) -> None:

@@ -54,6 +54,16 @@ def test_fourteenth_token_part_of_rolling_is_ignored() -> None:
         f"@ros2_lv/0/{ZID}/0/0/XX/%/%/listener",
         SUBSCRIPTION.rpartition("/")[0],
         f"{SUBSCRIPTION.rpartition('/')[0]}/::ten,:,:,:",
+        f"{SUBSCRIPTION.rpartition('/')[0]}/::,-1:,:,:,,",
+        f"{SUBSCRIPTION.rpartition('/')[0]}/::,10:-1,0:,:,,",
+        f"{SUBSCRIPTION.rpartition('/')[0]}/::,10:{10**30},0:,:,,",
+        f"{SUBSCRIPTION.rpartition('/')[0]}/::,{'9' * 5000}:,:,:,,",
+        SUBSCRIPTION.replace("std_msgs::msg::dds_::String_", "String"),
+        SUBSCRIPTION.replace("std_msgs::msg::dds_::String_", "..::..::x"),
+        SUBSCRIPTION.replace("%chatter", "%"),
+        SUBSCRIPTION.replace("%chatter", "%chatter%%"),
+        NODE.replace("%/%", "%/a b"),
+        NODE.replace("listener", "$*"),
     ],
 )
 def test_invalid_token_is_parsed_as_none(key: str) -> None:
