@@ -300,7 +300,7 @@ def result_timeout(t: Any) -> Any:
         e.spin_once(timeout_sec=0.05)
     r = wait(e, h.get_result_async(), 1.0)
     e.shutdown()
-    return r if r == "pending" else [r.status]
+    return r if r == "pending" else [r.status, h.status]
 
 
 def async_ex() -> Any:

@@ -83,8 +83,9 @@ class ClientGoalHandle:
     def __on_result(self, future: Future[Any], response: Future[Any]) -> None:
         self._action_client._feedback_callbacks.pop(bytes(self.goal_id.uuid), None)
         result = response.result()
-        if result is not None:
-            # In ROS the last message about the status has arrived by now.
+        if result is not None and result.status != GoalStatus.STATUS_UNKNOWN:
+            # In ROS the last message about the status has arrived by now. The response for a goal
+            # that the server has forgotten has no status.
             self.status = result.status
         self._action_client._course_complete(future, result)
 
