@@ -421,7 +421,10 @@ ASPECTS = {
     "stub": "the empty exercise has no points, and its errors state what is missing",
     "empty": "a publisher without content has at most a tenth of the points",
     "second": "an alternative correct answer has full marks",
-    "wrong": "wrong answers and mutants fail with a message about the mistake, and crashing answers fail",
+    "wrong": (
+        "wrong answers and mutants fail with a message about the mistake, and crashing answers fail; "
+        "no check raises or crashes on an answer"
+    ),
     "can fail": "every check fails for at least one answer",
     "quiz": "each question has one right answer, and all questions of the lessons exist",
     "lesson": "lessons run without errors; lesson, exercise and solution follow the rules",
