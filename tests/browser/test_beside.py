@@ -278,3 +278,28 @@ def test_panels_of_two_notebooks_are_tabs_that_follow_them_and_code_stays_readab
             tab.first.locator(".lm-TabBar-tabCloseIcon").click()
             expect(tab).to_have_count(remaining)
         notebook.page.locator(FILE_BROWSER).wait_for()
+
+
+WIDTHS = """() => [...jupyterapp.shell.widgets('main')].filter((one) => one.context)
+    .map((one) => one.node.offsetWidth)"""
+
+
+@pytest.mark.parametrize("neighbor", [0, 1], ids=["right of the notebook", "right of its view"])
+def test_view_of_a_second_notebook_leaves_both_the_width_that_they_had(lab: Lab, neighbor: int) -> None:
+    with opened(lab, "left.ipynb", CELLS) as notebook:
+        notebook.run_all()
+        expect(panel(notebook)).to_have_count(1)
+        write_notebook(notebook.folder / "right.ipynb", CELLS)
+        script = """async ([path, neighbor]) => {
+            const options = { mode: 'split-right', ref: [...jupyterapp.shell.widgets('main')][neighbor].id };
+            const opened = await jupyterapp.commands.execute('docmanager:open', { path, options });
+            await opened.context.ready;
+            await opened.sessionContext.ready; }"""
+        notebook.ask(script, [f"{notebook.folder.name}/right.ipynb", neighbor])
+        notebook.page.wait_for_timeout(1000)  # [ms]; some frames
+        before = notebook.page.evaluate(WIDTHS)
+        notebook.ask("() => jupyterapp.commands.execute('runmenu:run-all')")
+        expect(notebook.page.locator(TAB)).to_have_text(["RViz: left", "RViz: right"])
+        expect(panel(notebook)).to_have_count(1)
+        is_kept = pytest.approx(before, abs=9)  # [px] of handles
+        wait_until(lambda: notebook.page.evaluate(WIDTHS) == is_kept, notebook.page)

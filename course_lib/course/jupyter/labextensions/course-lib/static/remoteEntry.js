@@ -377,18 +377,24 @@
     return Math.ceil(panel.node.offsetWidth - code.closest(".cm-scroller").clientWidth + columns + 12); // [px] its margins
   }
 
+  /** Return the handle at the left edge of a widget of the dock, or undefined. */
+  function leftEdge({ parent, node }) {
+    const edges = [...parent.layout.handles()].filter(
+      (one) => one.dataset.orientation === "horizontal" && !one.classList.contains("lm-mod-hidden"),
+    );
+    return edges.find((one) => Math.abs(one.offsetLeft + one.offsetWidth - node.offsetLeft) < 8);
+  }
+
+  const nextFrame = () => new Promise((done) => requestAnimationFrame(done));
+
   /** Divide the width between a notebook and the panel beside it; `fold` the file browser where both need its place. */
   function divideWidth(notebook, panel, fold) {
     const dock = panel.parent;
-    const frame = () => new Promise((done) => requestAnimationFrame(done));
     const wide = widthForCode(notebook);
     if (dock.node.offsetWidth < wide + MIN_VIEW_WIDTH) fold();
-    return frame().then(frame).then(() => {
+    return nextFrame().then(nextFrame).then(() => {
       const left = panel.node.offsetLeft;
-      const edges = [...dock.layout.handles()].filter(
-        (one) => one.dataset.orientation === "horizontal" && !one.classList.contains("lm-mod-hidden"),
-      );
-      const edge = edges.find((one) => Math.abs(one.offsetLeft + one.offsetWidth - left) < 8);
+      const edge = leftEdge(panel);
       if (!edge) return; // the user has moved it
       const whole = panel.node.offsetWidth + left - notebook.node.offsetLeft;
       const share = Math.min(Math.max(NOTEBOOK_SHARE * whole, wide), whole - MIN_VIEW_WIDTH);
@@ -436,7 +442,7 @@
       const panel = [...app.shell.widgets("main")].find((one) => one.node.contains(target));
       const notebook = tracker.find((one) => one.context === detail.context);
       if (!panel?.parent?.layout?.moveHandle || !notebook || panels.get(notebook) === panel) return;
-      const other = [...panels.values()].find(isBeside);
+      const [owner, other] = [...panels].find(([, one]) => isBeside(one)) ?? [];
       panels.set(notebook, panel);
       // As RViz's window, which bears the name of its file: with two notebooks, there are two such panels.
       const updateTitle = () => {
@@ -455,9 +461,21 @@
       notebook.disposed.connect(() => panel.isDisposed || panel.dispose());
       app.shell.activateById(notebook.id); // menus and keys act on the notebook
       // JupyterLab has halved the notebook for the new panel, which becomes a tab of the other one.
+      // Two notebooks next to each other share the place of the views, and keep the width that they have.
+      const isShared = other && owner.isVisible;
+      const lefts = isShared && [owner, notebook, other].map(({ node }) => node.offsetLeft);
       if (other) panel.parent.addWidget(panel, { mode: "tab-after", ref: other });
       panel.parent.selectWidget(panel);
-      divideWidth(notebook, panel, fold);
+      if (!isShared) return divideWidth(notebook, panel, fold);
+      const keep = async () => {
+        await nextFrame();
+        for (const [i, one] of [owner, notebook, panel].entries()) {
+          await nextFrame(); // a second handle that is moved in the same frame resets the first one
+          const edge = leftEdge(one);
+          if (edge) panel.parent.layout.moveHandle(edge, lefts[i] - edge.offsetWidth, 0);
+        }
+      };
+      keep();
     });
     tracker.currentChanged.connect((_, notebook) => {
       const panel = panels.get(notebook);
