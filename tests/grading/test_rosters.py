@@ -71,6 +71,18 @@ def test_unsuitable_roster_is_rejected_with_the_export_to_use(tmp_path: Path) ->
     assert not (tmp_path / "out").exists()
 
 
+def test_download_of_groups_is_rejected_with_the_folders_to_make(tmp_path: Path) -> None:
+    """Moodle names the folders after groups if students submit in groups, with the groups' numbers."""
+    moodle_zip(tmp_path / "in.zip", [Handed("Team A", 17, "a"), Handed("Team B", 18, "b")])
+    rows = [(f"Participant {s.number}", s.name, s.id, f"Team {'AB'[n % 2]}") for n, s in enumerate(STUDENTS)]
+    table(tmp_path / "w.csv", ("Identifier", "Full name", "ID number", "Group"), rows)
+    message = (
+        "'team a' twice in 'Group': if .* in groups, copy each group's file into a folder of each member"
+    )
+    with pytest.raises(CourseError, match=message):
+        collected(tmp_path, roster=tmp_path / "w.csv", id_column="ID number")
+
+
 def test_roster_for_a_download_without_numbers_is_ignored_with_a_note(tmp_path: Path) -> None:
     (tmp_path / "in/ada").mkdir(parents=True)
     (tmp_path / "in/ada/week01_exercise.ipynb").write_text("{}")

@@ -330,8 +330,14 @@ def read_ids(path: Path, id_column: str, numbers: Collection[str]) -> tuple[dict
         if twice := next(
             (value for value, count in Counter(row[which] for row in rows).items() if count > 1), ""
         ):
+            # A platform's folder of a group belongs to several rows, as two students of one name do.
+            groups = (
+                "if students have submitted in groups, copy each group's file into a folder of each "
+                "member, STUDENT/week01_exercise.ipynb, and pass the folder of these to course grade. "
+                "Otherwise "
+            ) * (which == 0)
             raise CourseError(
-                f"{path.name} contains {twice!r} twice in {file.headings[column]!r}: "
+                f"{path.name} contains {twice!r} twice in {file.headings[column]!r}: {groups}"
                 "correct one of the rows, or select the ID column with --id-column; columns: "
                 f"{_list_headings(file)}"
             )
