@@ -47,6 +47,24 @@ def packed(**members: bytes) -> bytes:
     return buffer.getvalue()
 
 
+def linked() -> bytes:
+    """A zip file whose notebook is a symbolic link."""
+    member = zipfile.ZipInfo("week01_exercise.ipynb")
+    member.external_attr = 0o120777 << 16
+    buffer = io.BytesIO(packed(receipt__json=RECEIPT))
+    with zipfile.ZipFile(buffer, "a") as archive:
+        archive.writestr(member, "/etc/passwd")
+    return buffer.getvalue()
+
+
+def understated() -> bytes:
+    """A zip file whose directory states that 30 MB are 1 kB."""
+    data = bytearray(packed(receipt__json=RECEIPT, week01_exercise__ipynb=book() + b" " * 30_000_000))
+    entry = data.rfind(b"PK\x01\x02")
+    data[entry + 24 : entry + 28] = (1000).to_bytes(4, "little")
+    return bytes(data)
+
+
 AS_LINES = [{"cell_type": "code", "source": cell.splitlines(keepends=True)} for cell in RIGHT_CELLS]
 FORMAT_3 = [{"cell_type": "code", "language": "python", "input": cell} for cell in RIGHT_CELLS]
 OUTPUTS = [{"output_type": "stream", "text": "x" * 5_000_000}]
@@ -70,6 +88,13 @@ FILES = (
     Sent("f_format_3", book(worksheets=[{"cells": FORMAT_3}], cells=FORMAT_3, nbformat=3), final=FULL),
     Sent("f_format_5", book(nbformat=5, nbformat_minor=99), final=FULL),
     Sent("f_outputs", book([*AS_LINES, {**AS_LINES[0], "outputs": OUTPUTS}]), final=FULL),
+    Sent("f_format_2", book(nbformat=2), final=FULL),
+    Sent("f_format_text", book(nbformat="four"), final=FULL),
+    Sent("f_equal_cell_ids", book([{**cell, "id": "same"} for cell in AS_LINES]), final=FULL),
+    Sent("f_odd_cell_ids", book([{**cell, "id": {"<b>": "../.."}} for cell in AS_LINES]), final=FULL),
+    Sent("f_cells_twice", book().replace(b'"cells":', b'"cells": [], "cells":'), final=FULL),
+    Sent("f_nul_in_code", book([*AS_LINES, {"cell_type": "code", "source": "x = 'a\0b'"}]), final=FULL),
+    Sent("f_nested_code", book([*AS_LINES, {"cell_type": "code", "source": "-" * 200_000}]), final=FULL),
     Sent("f_no_code", book([{"cell_type": "markdown", "source": RIGHT}]), says="has no code"),
     Sent("f_no_cells", book([]), says="has no code"),
     Sent("f_odd_metadata", book(metadata=[{"course": 1}]), final=FULL),
@@ -81,6 +106,8 @@ FILES = (
     Sent("f_bomb", packed(receipt__json=RECEIPT, week01_exercise__ipynb=b" " * 30_000_000), "week01.zip",
          says="is larger than"),
     Sent("f_receipt_bomb", packed(receipt__json=b" " * 30_000_000), "week01.zip", says="is larger than"),
+    Sent("f_link", linked(), "week01.zip", says="is not a notebook"),
+    Sent("f_understated", understated(), "week01.zip", says="can't be unpacked"),
     Sent("f_any_zip", packed(a=packed(b=b"x")), "week01.zip", says="is not a file that"),
     Sent("f_path_in_receipt", packed(receipt__json=b'{"exercise": "../../secret"}'), "week01.zip",
          says="is not a file that `course submit` wrote"),

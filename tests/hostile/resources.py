@@ -87,6 +87,20 @@ while True:
         "assert ctypes.CDLL(None).syncfs(f.fileno()) == 0\nprint('flushed')",
         says="flushed",
     ),
+    Entry(
+        "clogged_pipe",
+        "import os\nunread, written = os.pipe()\nfor number in (1, 2): os.dup2(written, number)\n"
+        "os.write(1, b'x' * 200_000)",
+        status="limit",
+        reason="time",
+    ),
+    Entry("log_flood", "import logging\nfor i in range(50_000): logging.getLogger(f'l{i}').error('x' * 99)"),
+    Entry(
+        "finalizer_spins",
+        "class D:\n    def __del__(self):\n        while True: pass\nd = D()\ndel d",
+        status="limit",
+        reason="time",
+    ),
     Entry("print_flood", "for _ in range(100): print('x' * 10**6)", says="cut after"),
     Entry("real_flood", "import os\nfor _ in range(100): os.write(1, b'x' * 10**6)", says="cut after"),
     Entry("huge_return", change=replaced("return length / 2", "return [0.0] * 10**7"), final=70),

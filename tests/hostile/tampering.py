@@ -250,5 +250,17 @@ print("week01.half: 40 of 40 points\\x1b]0;title\\x07")
         "audits",
         "import sys\ndef no(event, rest):\n    if event in ('import', 'open'): raise RuntimeError('no')\nsys.addaudithook(no)",
     ),
+    Entry("stops_its_group", "import os, signal\nos.kill(0, signal.SIGSTOP)"),
+    Entry(
+        "replaces_its_worker",
+        "import course_lib.grading.run.worker as worker\nfor name, value in list(vars(worker).items()):\n"
+        "    if callable(value): setattr(worker, name, lambda *a, **k: None)",
+        final=0,
+    ),
+    Entry(
+        "empties_python", "import os, sys\nos.environ.clear(); sys.path.clear(); sys.modules.clear()", final=0
+    ),
+    Entry("long_error_name", "raise type('x' * 10**6 + '<b>', (Exception,), {})('y')"),
+    Entry("error_without_text", "class E(Exception): __str__ = __repr__ = lambda self: 1 / 0\nraise E"),
     Entry("locks_its_folder", "import os\nos.chmod('.', 0)"),
 )
