@@ -218,14 +218,14 @@ def _has_integers(call: ast.Call) -> bool:
             has_names = any(isinstance(node, ast.Name | ast.Call) for node in ast.walk(items))
             whole = bool(numbers) and all(type(number.value) is int for number in numbers) and not has_names
             has_type = len(call.args) > 1 or any(keyword.arg == "dtype" for keyword in call.keywords)
-            return _integer_type(call) or (whole and not has_type)
+            return _has_integer_type(call) or (whole and not has_type)
         case ast.Call(func=ast.Attribute(attr=name)) if name in _FILLED:
-            return _integer_type(call)
+            return _has_integer_type(call)
     return False
 
 
-def _integer_type(call: ast.Call) -> bool:
-    """Return whether a call passes a type of integers."""
+def _has_integer_type(call: ast.Call) -> bool:
+    """Return whether a call passes an integer type."""
     passed = [*call.args[1:], *(keyword.value for keyword in call.keywords if keyword.arg == "dtype")]
     return any(_INTEGER_TYPE.fullmatch(ast.unparse(argument)) for argument in passed)
 
@@ -259,9 +259,9 @@ def _cuts_values(call: ast.Call) -> bool:
         case ast.Call(
             func=ast.Attribute(attr="array" | "asarray"), args=[ast.List() | ast.Tuple() as items, *_]
         ):
-            return _integer_type(call) and any(map(_may_be_fraction, items.elts))
+            return _has_integer_type(call) and any(map(_may_be_fraction, items.elts))
         case ast.Call(func=ast.Attribute(attr="array" | "asarray"), args=[_, *_]):
-            return _integer_type(call) and "uint8" not in ast.unparse(call)
+            return _has_integer_type(call) and "uint8" not in ast.unparse(call)
     return False
 
 

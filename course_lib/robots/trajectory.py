@@ -38,7 +38,7 @@ def period_of(rate: float) -> float:
 
 
 _FIELDS = ("positions", "velocities", "accelerations")
-# The limit of joint_trajectory_controller.
+# joint_trajectory_controller has the same threshold.
 _SMALLEST_SPEED = float(np.finfo(np.float32).eps)
 Result = FollowJointTrajectory.Result
 # A negative tolerance means no limit. 0 selects the controller's default, which has no limit here

@@ -336,7 +336,7 @@ def unpacked_string_hint(error: BaseException, text: str) -> str:
 
 
 def number_loop_hint(error: BaseException) -> str:
-    """Return the hint for a loop over a range whose numbers are taken for the items, or ""."""
+    """Return the hint for a loop over a range that uses its numbers like the items, or ""."""
     if not isinstance(error, AttributeError) or not isinstance(error.obj, int):
         return ""
     for frame, _ in walk_tb(error.__traceback__):

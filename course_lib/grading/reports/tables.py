@@ -280,7 +280,7 @@ def flags(result: MarkedResult, similar_code: Mapping[tuple[str, str], SimilarSu
     """Return the reasons to review one result."""
     submission = result.result.submission
     raised = [Flag(submission.id_flag, submission.id_flag)] if submission.id_flag else []
-    # Without a folder, all of them are attempts of the student whose ID they contain.
+    # Files outside of a student's folder are all attempts of the student whose ID they contain.
     if any(not name.lower().endswith((".ipynb", ".zip")) for name in submission.rivals):
         raised.append(Flag(SAME_ID, f"{SAME_ID}: {join_few(submission.rivals)}"))
     if similar := similar_code.get((result.student, result.exercise)):

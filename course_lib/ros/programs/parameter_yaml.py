@@ -53,7 +53,7 @@ def read_text(text: str) -> list[tuple[str, dict[str, Any]]]:
 def read_value(text: str) -> Any:
     """Parse one value. Raise ValueError if a parameter cannot have it.
 
-    Spaces or a comment are no value: the parameter is not set, as in rcl.
+    Spaces or a comment do not count as a value: the parameter is not set, as in rcl.
     """
     documents = _documents(text)
     if not documents and text:
