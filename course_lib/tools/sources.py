@@ -270,9 +270,11 @@ def wait_for_response(
     """
     blocked = [name for name in source.graph.take_blocked_calls() if f"{name}/".startswith(f"{server}/")]
     if blocked:
+        # An action is allowed as a whole, but a node's services for parameters one by one.
+        service = blocked[0].partition("/_action/")[0]
         raise CourseError(
             f"{server} was not called, because the link to the robot does not allow it. "
-            f"To call it, connect with --call {server}"
+            f"To call it, connect with --call {service}"
         )
     if not source.wait(lambda: not (future._pending() and has_server()), seconds):
         raise CourseError(f"{server} does not respond. Is it running? Start it, like run_live(node).")

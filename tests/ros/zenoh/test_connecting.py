@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from rclpy.task import Future
 
 from course_lib import Viewer, connect, disconnect
 from course_lib.errors import CourseError
@@ -15,14 +16,16 @@ from course_lib.ros.graph.graph import Graph, current_graph, use_graph
 from course_lib.ros.robot import connect as connecting
 from course_lib.ros.robot.connect import RobotAddress, link_to
 from course_lib.ros.robot.sending import BlockedTraffic
+from course_lib.ros.zenoh.link import Handlers, open_session
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.run import run
-from course_lib.tools.sources import GraphSource
+from course_lib.tools.sources import GraphSource, wait_for_response
 from tests.patience import PATIENCE
 from tests.ports import free_port
 from tests.processes import Program
+from tests.ros.dds.attack import ATTACK, ATTEMPTS
 from tests.ros.zenoh.conftest import Kits
-from tests.ros.zenoh.test_two_kits import listener, talker
+from tests.ros.zenoh.test_two_kits import listener, serve, talker, texts
 
 TALKER = """
 import rclpy
@@ -86,6 +89,43 @@ def test_programs_and_tools_connect_through_a_router(router: str, tmp_path: Path
     assert {topic.name for topic in read_bag(tmp_path / "bag").topics()} >= {"/chatter"}
     robot.send_signal(signal.SIGINT)
     robot.communicate(timeout=PATIENCE)
+
+
+@pytest.mark.slow
+def test_thousand_attempts_to_send_unpermitted_messages_do_not_reach_the_network(
+    kits: Kits, tmp_path: Path
+) -> None:
+    (tmp_path / "attack.py").write_text(ATTACK)
+    robot, session, handlers = kits.join(call="/reset /private"), open_session(kits.address), Handlers()
+    for service in ("/reset", "/private"):
+        serve(robot, service)
+    keys, said = set[str](), listener(robot, "/allowed")
+    everything = [
+        declare("0/**", handlers.wrap(lambda received: keys.add(str(received.key_expr).split("/")[1])))
+        for declare in (session.declare_subscriber, session.declare_queryable)
+    ]
+    attack = course("run", str(tmp_path / "attack.py"), "--robot", kits.address, "--send", "/allowed")
+    # The program's last message is permitted and contains the number of attempts.
+    kits.until(lambda: any(text.endswith("attempts") for text in texts(said)), "the number of attempts")
+    attack.send_signal(signal.SIGINT)
+    attack.communicate(timeout=PATIENCE)
+    assert int(texts(said)[-1].split()[0]) >= ATTEMPTS
+    assert (keys, len(everything)) == ({"allowed"}, 2)
+    session.close()
+    handlers.wait()
+
+
+@pytest.mark.parametrize(
+    ("blocked", "server", "option"),
+    [("/fib/_action/send_goal", "/fib", "/fib"), ("/lab/set_parameters", "/lab", "/lab/set_parameters")],
+)
+def test_error_of_a_blocked_call_contains_the_option_that_allows_it(
+    blocked: str, server: str, option: str, kits: Kits
+) -> None:
+    graph, future = kits.join(), Future()  # type: ignore[var-annotated]  # not generic in Jazzy
+    graph.blocked.add(blocked, "--call")
+    with pytest.raises(CourseError, match=f"{server} was not called, .* connect with --call {option}$"):
+        wait_for_response(GraphSource(graph), future, server, 1.0)
 
 
 @pytest.mark.slow
