@@ -87,8 +87,14 @@ class Rows(dict[str, RowEntry]):
         """Add a row."""
         self[key] = RowEntry(protocol.PanelRow(key, parent, shorten_middle(label), **shown), edit, member)
 
-    def put_properties(self, holder: PropertyHolder, parent: str) -> None:
-        """Add the properties of an object that RViz displays, without its check box."""
+    def put_properties(self, holder: PropertyHolder, parent: str, others: Iterable[str] = ()) -> None:
+        """Add the properties of an object that RViz displays, without its check box.
+
+        Args:
+            holder: The object.
+            parent: The key of its row.
+            others: The names of the other displays, which a Camera lists below Visibility.
+        """
         for path, prop in holder.panel_rows():
             if prop.label == "Enabled":
                 continue
@@ -99,7 +105,7 @@ class Rows(dict[str, RowEntry]):
                     row = path[:depth]
                     self.put(key, above, holder.row_name(row), open=holder.is_expanded(row))
                 above = key
-            self._put_property(holder, prop, path, above)
+            self._put_property(holder, prop, path, above, others)
 
     def put_statuses(self, key: str, parent: str, label: str, rows: list[StatusRow]) -> None:
         """Add statuses below a row that shows the worst level."""
@@ -110,7 +116,12 @@ class Rows(dict[str, RowEntry]):
             self.put(f"{key}!{index}", key, row.name, text=row.text, mark=mark, title=title)
 
     def _put_property(
-        self, holder: PropertyHolder, prop: Property, path: tuple[str, ...], parent: str
+        self,
+        holder: PropertyHolder,
+        prop: Property,
+        path: tuple[str, ...],
+        parent: str,
+        others: Iterable[str],
     ) -> None:
         key, value = f"{parent}#{prop.path[-1]}", holder[prop.label]
         editor = _editor(prop, holder)
@@ -128,7 +139,9 @@ class Rows(dict[str, RowEntry]):
             **shown,
         )
         if prop.convert is booleans:
-            for name, on in value.items():
+            # Without an entry a display is enabled. The order does not depend on the entries.
+            enabled = dict.fromkeys(others, True) if prop.label == "Visibility" else {}
+            for name, on in (enabled | value).items():
                 tick = partial(self.check, holder, prop.label, name)
                 title, editor = name or "(no name)", protocol.Editor("bool")
                 self.put(f"{key}#{name}", key, title, tick, editor=editor, value=on)
@@ -196,13 +209,7 @@ def _put_member(rows: Rows, session: RvizSession, member: Display | Group, paren
     rows.put(key, parent, member.name, enable, member, mark=mark_of(level) if statuses else None, **shown)
     if statuses:
         rows.put_statuses(f"{key}!", key, "Status", statuses)
-    rows.put_properties(member, key)
-    above = f"{key}#Visibility"
-    # A Camera lists each other display; without an entry a display is enabled.
-    for name in (other.name for other in session.displays if above in rows and other is not member):
-        if f"{above}#{name}" not in rows:
-            tick, editor = partial(rows.check, member, "Visibility", name), protocol.Editor("bool")
-            rows.put(f"{above}#{name}", above, name, tick, editor=editor, value=True)
+    rows.put_properties(member, key, [other.name for other in session.displays if other is not member])
 
 
 def _key(member: Display | Group) -> str:

@@ -205,4 +205,8 @@ def test_panel_lists_the_other_displays_below_visibility() -> None:
     assert edit is not None
     edit(False)
     assert boxes() == {**others, "Grid": False, "Axes": False}
+    # Each box stays in its place, directly below Visibility.
+    keys = list(display_rows(bench.session))
+    first = keys.index(above.removesuffix("#")) + 1
+    assert keys[first : first + len(others)] == [above + name for name in others]
     assert camera["Visibility"] == {"Grid": False, "Axes": False}
