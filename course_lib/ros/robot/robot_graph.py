@@ -39,6 +39,7 @@ from course_lib.ros.graph.topics import (
     service_topics,
 )
 from course_lib.ros.messages.definitions import is_known
+from course_lib.ros.messages.interface_files import SERVICE_PARTS
 from course_lib.ros.robot.link import (
     NO_STOP,
     SIMULATED_TIME,
@@ -794,7 +795,7 @@ class RobotGraph(Graph):
         topics = {
             (topic, type_name)
             for topic, type_name in offered_qos
-            if (needs_all or topic in names) and is_known(type_name)
+            if (needs_all or topic in names) and is_known(type_name) and not type_name.endswith(SERVICE_PARTS)
         }
         for removed_topic in self._tap_endpoints.keys() - topics:
             self.remove_endpoint(self._tap_endpoints.pop(removed_topic))

@@ -613,6 +613,24 @@ def test_topic_with_another_definition_of_its_type_is_reported(
     assert student.link.is_open
 
 
+@pytest.mark.parametrize("type_name", ["std_srvs/srv/SetBool_Request", "Foo", ""])
+def test_tap_does_not_subscribe_to_a_topic_whose_type_is_not_a_message(kits: DdsKits, type_name: str) -> None:
+    robot, student = kits.join(), kits.join()
+    student.tap(lambda sample: None)
+    link = dds_link(robot)
+    node = link.node("robot", "/")
+    link.announce(node)
+    entity = link.endpoint(node, "publisher", "/odd", type_name, Qos(), f"RIHS01_{'0' * 64}")
+    # The DDS name of a type that does not have three parts is the type itself.
+    dds = "std_srvs::srv::dds_::SetBool_Request_" if "/" in type_name else type_name
+    writer = link.participant.add_writer("rt/odd", dds, Qos())
+    link.list_endpoint(entity, writer.endpoint.guid)
+    kits.until(lambda: student.endpoints_on("/odd"), "the topic")
+    end = wall.monotonic() + 0.5
+    kits.until(lambda: wall.monotonic() > end, "half a second")
+    assert [info.kind for info in student.endpoints_on("/odd")] == ["pub"]
+
+
 def test_address_without_a_ros_program_is_explained(kits: DdsKits) -> None:
     student = kits.join()
     link = dds_link(student)
