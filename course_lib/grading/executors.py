@@ -228,7 +228,7 @@ def call_in_child(function: Callable[[], Result]) -> Result:
 
     Raises:
         ChildDiedError: The process of the function crashed or was killed.
-        CourseError: The function raised an exception, of any type, or its process stopped computing.
+        CourseError: The function raised any exception, or its process stopped computing.
     """
     for _ in range(TRIES):
         try:
@@ -241,7 +241,8 @@ def call_in_child(function: Callable[[], Result]) -> Result:
         if error:
             raise CourseError(error)
         return result  # type: ignore[no-any-return]
-    raise CourseError(f"a process of the grader stopped computing {TRIES} times: run the command again")
+    text = f"a process of the grader stopped computing {TRIES} times: run the command again"
+    raise CourseError(text)
 
 
 def _answer_of_child(function: Callable[[], object]) -> bytes:
@@ -286,8 +287,9 @@ def _answer_of_child(function: Callable[[], object]) -> bytes:
 def _answer(function: Callable[[], object], writer: int, crash: Any) -> NoReturn:
     """Write the result of a function, or its error, into a pipe, and end this forked process."""
     try:
-        # Garbage of the parent must not be finalized here: a session of Zenoh would wait forever for
-        # its threads, which the fork does not have, outside Python, where no time limit ends it.
+        # Garbage of the parent must not be finalized here: a session of Zenoh would wait forever
+        # for its threads, which the fork does not have. No time limit ends this wait, which is
+        # outside Python.
         gc.freeze()
         # The streams may be locked by such a thread.
         sys.stdout = sys.stderr = io.StringIO()

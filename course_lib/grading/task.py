@@ -25,7 +25,13 @@ from course_lib.course.course_file import CourseFile, read_course_file
 from course_lib.course.material import ASSETS, asset_files, exercises_dir
 from course_lib.errors import CourseError, did_you_mean, format_count, location_of
 from course_lib.grading.evidence import Check, all_checks
-from course_lib.grading.executors import CAN_FORK, IDLE_SHARE, ChildDiedError, busy_seconds, call_in_child
+from course_lib.grading.executors import (
+    CAN_FORK,
+    IDLE_SHARE,
+    ChildDiedError,
+    busy_seconds,
+    call_in_child,
+)
 from course_lib.ros.messages.definitions import add_package, field_definitions
 from course_lib.ros.programs.packages import MANIFEST, has_interfaces, packages_below, prepend_paths
 from course_lib.third_party import read_text
@@ -466,8 +472,8 @@ def _load_hidden(path: Path, tasks: Mapping[str, Task]) -> dict[str, tuple[Scena
 
 # The timer repeats after this processor time [s], for code that swallows the first exception.
 AGAIN = 1.0
-# A block that is idle for these seconds of wall time is not slow, it waits: for a process, a lock or
-# the network.
+# A block that is idle for these seconds of wall time is not slow, it waits: for a process, a lock
+# or the network.
 WAIT_SECONDS = 20.0
 # Processor time [s] for the definitions of a check file, which may read data and import packages.
 LOAD_SECONDS = 30.0
@@ -514,7 +520,8 @@ def time_limit(seconds: float) -> Iterator[None]:
         return
     numbers = (signal.SIGPROF, signal.SIGALRM)
     handlers = [(number, signal.signal(number, ring)) for number in numbers]
-    timers = (signal.ITIMER_PROF, (seconds, AGAIN)), (signal.ITIMER_REAL, (WAIT_SECONDS, WAIT_SECONDS))
+    periods = (WAIT_SECONDS, WAIT_SECONDS)
+    timers = (signal.ITIMER_PROF, (seconds, AGAIN)), (signal.ITIMER_REAL, periods)
     former_timers = [(timer, signal.setitimer(timer, *times)) for timer, times in timers]
     try:
         try:

@@ -163,8 +163,9 @@ def _blinking_problems(evidence: Evidence, topic: str, period: float) -> list[Pr
     """Return the problem of a marker that vanishes before the next message, after `period` [s]."""
     for _, marker in iter_markers(evidence, topic):
         if marker.action == ADD and 0 < lifetime(marker) < period * (1 - LIFETIME_MARGIN):
-            text = f"the marker {marker.ns}/{marker.id} blinks: it is published every "
-            text += f"{format_number(period, 's')} with a lifetime of {format_number(lifetime(marker), 's')}"
+            every, visible = format_number(period, "s"), format_number(lifetime(marker), "s")
+            text = f"the marker {marker.ns}/{marker.id} blinks: it is published every {every} "
+            text += f"with a lifetime of {visible}"
             return [Problem(text, SHORT_LIFETIME)]
     return []
 

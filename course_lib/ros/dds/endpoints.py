@@ -27,8 +27,8 @@ MAX_PENDING = 256
 MAX_PARTIAL = 8
 # Limit on the bytes of all incomplete messages of a reader.
 MAX_PARTIAL_BYTES = 2 * wire.MAX_MESSAGE
-# Number of consecutive signs that the numbers of a remote writer are lower than the expected ones, and
-# the time between the first and the last of them [s].
+# Number of consecutive signs that the numbers of a remote writer are lower than the expected ones,
+# and the time between the first and the last of them [s].
 RESTART_SIGNS, RESTART_SECONDS = 3, 0.25
 # Memory of the number of a missing fragment [B].
 FRAGMENT_OVERHEAD = 100
@@ -347,7 +347,7 @@ class Reader(OwnEndpoint[MatchedWriter]):
             self._request_heartbeat(writer, 1)
 
     def tick(self) -> None:
-        """Send acknowledgements, and request heartbeats from writers whose numbers are uncertain."""
+        """Send acknowledgements, and request heartbeats where the numbers are uncertain."""
         for writer in self.matched.values():
             if writer.is_ack_due:
                 self._send_acknack(writer, [])

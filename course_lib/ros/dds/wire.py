@@ -28,7 +28,7 @@ PREFIX_SIZE = 12
 # Limit on the numbers in one set.
 MAX_SET = 256
 MAX_MESSAGE = 64 * 2**20  # [B]
-# Limit on sequence numbers, which no writer reaches, and below which sums of numbers can be encoded.
+# Limit on sequence numbers: no writer reaches it, and sums of numbers can be encoded.
 MAX_SEQUENCE = 2**62
 
 # Submessages
@@ -113,7 +113,7 @@ class Submessage(NamedTuple):
         return number
 
     def numbers(self, at: int, base: int) -> list[int]:
-        """Decode a set of sequence or fragment numbers: a bitmap at a position, relative to `base`."""
+        """Decode a set of sequence or fragment numbers: a bitmap at `base`."""
         (count,) = self.unpack("I", at)
         if count > MAX_SET:
             raise ValueError(f"a set of {count} numbers")

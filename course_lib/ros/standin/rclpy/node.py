@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from functools import partial
-from typing import Any, Literal, TypedDict, TypeVar, cast
+from typing import Any, Literal, TypedDict, TypeVar
 
 from rcl_interfaces.msg import (
     ListParametersResult,
@@ -148,7 +148,7 @@ class Node:
         local = parse([] if cli_args is None else cli_args)
         local.log_warnings(get_logger("rcl").warning)
         arguments = merge_arguments(local, context.arguments) if use_global_arguments else local
-        self.__handle = enter_graph(context, node_name, namespace or "", arguments)
+        self.__node = enter_graph(context, node_name, namespace or "", arguments)
         # A node whose constructor raises leaves the graph.
         with ExitStack() as failed:
             failed.callback(self.__leave_graph)
@@ -231,11 +231,13 @@ class Node:
 
     def get_clock(self) -> Clock:
         """Return the clock of the node."""
-        return self.__clock
+        clock: Clock = self.__own("_clock")
+        return clock
 
     def get_logger(self) -> RcutilsLogger:
         """Return the logger of the node."""
-        return self.__logger
+        logger: RcutilsLogger = self.__own("_logger")
+        return logger
 
     def destroy_node(self) -> None:
         """Destroy the node and all its entities. Calling it twice is allowed."""
@@ -276,7 +278,7 @@ class Node:
     @property
     def handle(self) -> NodeHandle:
         """The node's handle in the graph."""
-        return self.__handle
+        return self.__node
 
     @handle.setter
     def handle(self, value: object) -> None:
@@ -290,13 +292,13 @@ class Node:
         """List (name, namespace) for all nodes."""
         return [
             (node.name, node.namespace)
-            for node in self.__handle.require("Failed to get node names").graph.nodes()
+            for node in self.__node.require("Failed to get node names").graph.nodes()
         ]
 
     def get_topic_names_and_types(self, no_demangle: bool = False) -> NamesAndTypes:
         """List all topics with their types."""
         require_bool(no_demangle, "rclpy_get_topic_names_and_types(): incompatible function arguments.")
-        infos = self.__handle.require("failed to get topic names and types").graph.endpoints()
+        infos = self.__node.require("failed to get topic names and types").graph.endpoints()
         return sorted_types((info.topic, info.type_name) for info in infos if info.service is None)
 
     def get_service_names_and_types(self) -> NamesAndTypes:
@@ -304,17 +306,17 @@ class Node:
 
         As in ROS, services with clients only are included.
         """
-        return services(self.__handle.require("failed to get service names and types").graph.endpoints())
+        return services(self.__node.require("failed to get service names and types").graph.endpoints())
 
     def count_publishers(self, topic_name: str) -> int:
         """Return the number of publishers on a topic."""
-        self.__handle.require("Error in rcl_count_publishers")
+        self.__node.require("Error in rcl_count_publishers")
         time_lock.poll()
         return len(endpoints_on(self.handle, topic_name, "pub"))
 
     def count_subscribers(self, topic_name: str) -> int:
         """Return the number of subscriptions on a topic."""
-        self.__handle.require("Error in rcl_count_subscribers")
+        self.__node.require("Error in rcl_count_subscribers")
         time_lock.poll()
         return len(endpoints_on(self.handle, topic_name, "sub"))
 
@@ -323,7 +325,7 @@ class Node:
     ) -> list[TopicEndpointInfo]:
         """List the publishers on a topic with their QoS."""
         require_bool(no_mangle, "rclpy_get_publishers_info_by_topic(): incompatible function arguments.")
-        node = self.__handle.require("Failed to get information by topic for publishers")
+        node = self.__node.require("Failed to get information by topic for publishers")
         return [describe(info, node.graph.nodes()) for info in endpoints_on(node, topic_name, "pub")]
 
     def get_subscriptions_info_by_topic(
@@ -331,12 +333,12 @@ class Node:
     ) -> list[TopicEndpointInfo]:
         """List the subscriptions on a topic with their QoS."""
         require_bool(no_mangle, "rclpy_get_subscriptions_info_by_topic(): incompatible function arguments.")
-        node = self.__handle.require("Failed to get information by topic for subscriptions")
+        node = self.__node.require("Failed to get information by topic for subscriptions")
         return [describe(info, node.graph.nodes()) for info in endpoints_on(node, topic_name, "sub")]
 
     def get_fully_qualified_node_names(self) -> list[str]:
         """List the fully qualified names of all nodes."""
-        return [node.full_name for node in self.__handle.require("Failed to get node names").graph.nodes()]
+        return [node.full_name for node in self.__node.require("Failed to get node names").graph.nodes()]
 
     def get_node_names_and_namespaces_with_enclaves(self) -> list[tuple[str, str, str]]:
         """List (name, namespace, enclave) for all nodes."""
@@ -361,7 +363,7 @@ class Node:
 
         Raise NodeNameNonExistentError if there is no such node.
         """
-        node = self.__handle.require("failed to get publisher names and types")
+        node = self.__node.require("failed to get publisher names and types")
         infos = endpoints_of(node, node_name, node_namespace, "publisher")
         return sorted_types((i.topic, i.type_name) for i in infos if i.service is None and i.kind == "pub")
 
@@ -369,7 +371,7 @@ class Node:
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> NamesAndTypes:
         """List the topics that a node subscribes to."""
-        node = self.__handle.require("failed to get subscriber names and types")
+        node = self.__node.require("failed to get subscriber names and types")
         infos = endpoints_of(node, node_name, node_namespace, "subscriber")
         return sorted_types((i.topic, i.type_name) for i in infos if i.service is None and i.kind == "sub")
 
@@ -379,7 +381,7 @@ class Node:
         node_namespace: str,
     ) -> NamesAndTypes:
         """List the services of a node."""
-        node = self.__handle.require("failed to get service names and types")
+        node = self.__node.require("failed to get service names and types")
         return services(i for i in endpoints_of(node, node_name, node_namespace, "service") if i.is_service)
 
     def get_client_names_and_types_by_node(
@@ -388,17 +390,17 @@ class Node:
         node_namespace: str,
     ) -> NamesAndTypes:
         """List the services that a node has clients for."""
-        node = self.__handle.require("failed to get client names and types")
+        node = self.__node.require("failed to get client names and types")
         return services(i for i in endpoints_of(node, node_name, node_namespace, "client") if i.is_client)
 
     def count_services(self, service_name: str) -> int:
         """Return the number of servers of a service."""
-        ends = service_endpoints(self.__handle.require(), service_name, "Error in rcl_count_services")
+        ends = service_endpoints(self.__node.require(), service_name, "Error in rcl_count_services")
         return sum(end.is_service for end in ends)
 
     def count_clients(self, service_name: str) -> int:
         """Return the number of clients of a service."""
-        ends = service_endpoints(self.__handle.require(), service_name, "Error in rcl_count_clients")
+        ends = service_endpoints(self.__node.require(), service_name, "Error in rcl_count_clients")
         return sum(end.is_client for end in ends)
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
@@ -425,7 +427,7 @@ class Node:
 
         An invalid name raises NameValidationException or ValueError.
         """
-        node = self.__handle.require()
+        node = self.__node.require()
         if name is None:
             raise RCLError("failed to validate name: topic_name argument is null")
         if not isinstance(name, str):
@@ -436,10 +438,15 @@ class Node:
     @property
     def default_callback_group(self) -> CallbackGroup:
         """The group of all callbacks that are created without a group."""
-        # Accessed under rclpy's own name: without `super().__init__()`, the error is the same as on
-        # a robot.
-        group: CallbackGroup = cast("Any", self)._default_callback_group
+        group: CallbackGroup = self.__own("_default_callback_group")
         return group
+
+    def __own(self, name: str) -> Any:
+        """Return the value of a private name of rclpy.
+
+        Without `super().__init__()`, the error then is the same as on a robot.
+        """
+        return getattr(self, name)
 
     publishers = property(lambda self: self.__created_of(Publisher), doc="The node's publishers.")
     subscriptions = property(lambda self: self.__created_of(Subscription), doc="The node's subscriptions.")
@@ -598,7 +605,8 @@ class Node:
         if frequency <= 0:
             raise ValueError("frequency must be > 0")
         return Rate(
-            self.create_timer(1.0 / frequency, None, self.__rate_group, clock), context=self.handle.context
+            self.create_timer(1.0 / frequency, None, self.__own("_rate_group"), clock),
+            context=self.handle.context,
         )
 
     def add_waitable(self, waitable: Any) -> None:
