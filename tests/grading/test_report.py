@@ -1,9 +1,11 @@
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
+from course_lib.grading.executors import InlineExecutor
 from course_lib.grading.grade import grade
 from course_lib.grading.jail.launch import shared_template
 from course_lib.grading.records import CheckResult, TaskResult
@@ -150,7 +152,12 @@ def test_failure_to_write_a_report_is_reported_and_the_mark_is_kept(
     def fail(*_: object) -> None:
         raise ValueError("too short")
 
+    @contextmanager
+    def in_this_process(*_: object) -> Iterator[tuple[InlineExecutor, InlineExecutor, int]]:
+        yield InlineExecutor(), InlineExecutor(), 1
+
     monkeypatch.setattr("course_lib.grading.grade.report", fail)
+    monkeypatch.setattr("course_lib.grading.grade.executors", in_this_process)
     write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", right, student="ada")
     assert grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
     output = capsys.readouterr().out
