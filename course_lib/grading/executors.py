@@ -241,8 +241,7 @@ def call_in_child(function: Callable[[], Result]) -> Result:
         if error:
             raise CourseError(error)
         return result  # type: ignore[no-any-return]
-    text = f"a process of the grader stopped computing {TRIES} times: run the command again"
-    raise CourseError(text)
+    raise CourseError(f"the grader's process stopped computing {TRIES} times: run the command again")
 
 
 def _answer_of_child(function: Callable[[], object]) -> bytes:
