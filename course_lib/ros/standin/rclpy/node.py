@@ -185,6 +185,12 @@ class Node:
 
     # Relative tolerance of a floating-point value at the steps of its range.
     PARAM_REL_TOL = 1e-6
+    # Descriptors of rclpy's private names (`watch_names` below). Methods read these, so that the
+    # error without `super().__init__()` is the same as on a robot.
+    _clock: Clock
+    _logger: RcutilsLogger
+    _default_callback_group: CallbackGroup
+    _rate_group: CallbackGroup
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Report attributes of a student's class whose names are private in rclpy."""
@@ -231,13 +237,11 @@ class Node:
 
     def get_clock(self) -> Clock:
         """Return the clock of the node."""
-        clock: Clock = self.__own("_clock")
-        return clock
+        return self._clock
 
     def get_logger(self) -> RcutilsLogger:
         """Return the logger of the node."""
-        logger: RcutilsLogger = self.__own("_logger")
-        return logger
+        return self._logger
 
     def destroy_node(self) -> None:
         """Destroy the node and all its entities. Calling it twice is allowed."""
@@ -438,15 +442,7 @@ class Node:
     @property
     def default_callback_group(self) -> CallbackGroup:
         """The group of all callbacks that are created without a group."""
-        group: CallbackGroup = self.__own("_default_callback_group")
-        return group
-
-    def __own(self, name: str) -> Any:
-        """Return the value of a private name of rclpy.
-
-        Without `super().__init__()`, the error then is the same as on a robot.
-        """
-        return getattr(self, name)
+        return self._default_callback_group
 
     publishers = property(lambda self: self.__created_of(Publisher), doc="The node's publishers.")
     subscriptions = property(lambda self: self.__created_of(Subscription), doc="The node's subscriptions.")
@@ -605,8 +601,7 @@ class Node:
         if frequency <= 0:
             raise ValueError("frequency must be > 0")
         return Rate(
-            self.create_timer(1.0 / frequency, None, self.__own("_rate_group"), clock),
-            context=self.handle.context,
+            self.create_timer(1.0 / frequency, None, self._rate_group, clock), context=self.handle.context
         )
 
     def add_waitable(self, waitable: Any) -> None:
@@ -866,10 +861,7 @@ class Node:
         return [self.get_parameter_type(name) for name in names]
 
     def describe_parameter(self, name: str) -> ParameterDescriptor:
-        """Return the descriptor of a parameter.
-
-        Raise ParameterNotDeclaredException if it is not declared.
-        """
+        """Return the descriptor of a parameter. Raise ParameterNotDeclaredException if undeclared."""
         if name not in self.__parameter_store.descriptors and not self.__allow_undeclared_parameters:
             raise ParameterNotDeclaredException(name)
         return self.__parameter_store.descriptors.get(name) or ParameterDescriptor()
