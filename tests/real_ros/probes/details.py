@@ -4,12 +4,9 @@
 Many of the calls are wrong on purpose.
 """
 
-import contextlib
 import gc
-import io
 import os
 import re
-import sys
 import tempfile
 import time
 from typing import Any
@@ -17,7 +14,7 @@ from typing import Any
 import rclpy
 from action_msgs.msg import GoalStatusArray
 from nav_msgs.msg import Goals
-from probing import Fibonacci, lines, main, outcome, probe
+from probing import Fibonacci, captured, lines, main, outcome, probe
 from rclpy.action import ActionClient, ActionServer
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -42,21 +39,8 @@ def _until(ready: Any, *nodes: Any, limit: Any = 5.0) -> Any:
 
 def _stderr(call: Any) -> Any:
     """Return the outcome of a call and the lines that it writes to stderr."""
-    kept = os.dup(2)
-    with tempfile.TemporaryFile("w+") as file:
-        sys.stderr.flush()
-        os.dup2(file.fileno(), 2)
-        replaced = io.StringIO()
-        try:
-            with contextlib.redirect_stderr(replaced):
-                found = outcome(call)
-        finally:
-            sys.stderr.flush()
-            os.dup2(kept, 2)
-            os.close(kept)
-        file.seek(0)
-        printed = re.sub(r"\[\d+\.\d+\]", "[time]", file.read() + replaced.getvalue())
-        return [found, *printed.splitlines()]
+    found, text = captured(call)
+    return [found, *re.sub(r"\[\d+\.\d+\]", "[time]", text).splitlines()]
 
 
 def _init(*words: Any, **options: Any) -> Any:

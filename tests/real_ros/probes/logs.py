@@ -1,16 +1,13 @@
 # mypy: ignore-errors
 """Arguments, results and output of loggers: unusual messages, filters, levels, names, and shutdown."""
 
-import os
 import re
-import sys
-import tempfile
 import time
 from typing import Any
 
 import rclpy
 import rclpy.logging
-from probing import lines, main, outcome, probe
+from probing import captured, lines, main, outcome, probe
 from rcl_interfaces.msg import Log
 from rclpy.clock import Clock, ClockType
 from rclpy.executors import SingleThreadedExecutor
@@ -21,20 +18,8 @@ from rclpy.node import Node
 
 def _logged(log: Any) -> Any:
     """Return the result or exception of a call and its stderr, without times."""
-    sys.stderr.flush()
-    kept = os.dup(2)
-    with tempfile.TemporaryFile() as file:
-        os.dup2(file.fileno(), 2)
-        try:
-            found = outcome(log)
-        finally:
-            sys.stderr.flush()
-            os.dup2(kept, 2)
-            os.close(kept)
-        file.seek(0)
-        text = file.read().decode(errors="backslashreplace")
-    text = re.sub(r"\[\d+\.\d{9}\]", "[time]", text)
-    return found.partition(" incompatible")[0], text
+    found, text = captured(log)
+    return found.partition(" incompatible")[0], re.sub(r"\[\d+\.\d{9}\]", "[time]", text)
 
 
 def _info(message: Any, **options: Any) -> Any:

@@ -54,27 +54,26 @@ def outcome(call: Callable[..., object], *args: Any, **options: Any) -> str:
     return re.sub(r" at 0x[0-9a-f]+", " at 0x", text)
 
 
+def captured(call: Probe) -> tuple[str, str]:
+    """Return the outcome of a call, and what it writes to stderr, as Python or as C code does."""
+    sys.stderr.flush()
+    kept, replaced = os.dup(2), io.StringIO()
+    with tempfile.TemporaryFile() as file:
+        os.dup2(file.fileno(), 2)
+        try:
+            with contextlib.redirect_stderr(replaced):
+                found = outcome(call)
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+        file.seek(0)
+        return found, file.read().decode(errors="backslashreplace") + replaced.getvalue()
+
+
 def said(call: Probe) -> list[Any]:
     """Return the outcome of a call and its lines on stderr, without times."""
-    sys.stderr.flush()
-    if _IS_KIT:
-        with contextlib.redirect_stderr(io.StringIO()) as stream:
-            result = outcome(call)
-        text = stream.getvalue()
-    else:
-        # rcl writes to the file descriptor.
-        with tempfile.TemporaryFile() as file:
-            saved = os.dup(2)
-            os.dup2(file.fileno(), 2)
-            try:
-                result = outcome(call)
-            finally:
-                sys.stderr.flush()
-                os.dup2(saved, 2)
-                os.close(saved)
-            file.seek(0)
-            text = file.read().decode()
-    return [result, re.sub(r"\[\d+\.\d+\]", "[T]", text).splitlines()]
+    found, text = captured(call)
+    return [found, re.sub(r"\[\d+\.\d+\]", "[T]", text).splitlines()]
 
 
 def spun(node: Any, ready: Callable[[], object], seconds: float = 3.0, executor: Any = None) -> bool:
