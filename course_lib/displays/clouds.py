@@ -6,7 +6,7 @@ the same number types as RViz, so clouds agree with its images to the last bit.
 """
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from io import BytesIO
 from math import isfinite
@@ -34,6 +34,7 @@ from course_lib.displays.properties import (
     flag,
     integer,
     number,
+    read_only,
     text,
     words,
 )
@@ -752,7 +753,11 @@ class DepthCloudDisplay(CloudDisplay):
             number(),
             shown_if=(("Occlusion Compensation", True),),
         ),
-        *CLOUD_PROPERTIES,
+        *(
+            # RViz hides it here only.
+            replace(prop, shown_if=NEVER) if prop.label == "Position Transformer" else prop
+            for prop in CLOUD_PROPERTIES
+        ),
     )
 
     def __init__(self, *args: Any) -> None:
@@ -765,6 +770,16 @@ class DepthCloudDisplay(CloudDisplay):
         self._shadows: Shadows | None = None
         # Camera pose for which the hidden points are valid.
         self._camera = np.eye(4)
+
+    def panel_rows(self) -> Iterator[tuple[tuple[str, ...], Property]]:
+        """Yield the displayed properties; while the size follows from the camera, it is read-only."""
+        for path, prop in super().panel_rows():
+            is_measured = prop.label == "Size (m)" and self["Auto Size"]
+            yield path, replace(prop, convert=read_only) if is_measured else prop
+
+    def is_expanded(self, path: tuple[str, ...]) -> bool:
+        """Return whether a row shows the rows below it, as those of check boxes that are on do in RViz."""
+        return path in {("Auto Size",), ("Occlusion Compensation",)} and bool(self[path[0]])
 
     def on_property_change(self, label: str) -> None:
         """Subscribe again, or redraw."""

@@ -22,6 +22,14 @@ def test_dragged_goal_pose_is_published_as_in_rviz(bench: Bench) -> None:
     assert bench.page.get_by_role("button", name="Interact (i)").get_attribute("aria-pressed") == "true"
 
 
+def test_right_drag_zooms_without_the_menu_of_the_surrounding_page(bench: Bench) -> None:
+    before = bench.viewer.view["Distance"]
+    bench.page.evaluate("document.addEventListener('contextmenu', () => (window.menus = 1))")  # as JupyterLab
+    bench.drag((200, 0), (200, 40), button="right")
+    bench.host.wait_until(lambda: bench.viewer.view["Distance"] > before)
+    assert bench.page.evaluate("window.menus") is None
+
+
 @pytest.mark.slow
 def test_pose_estimate_has_the_covariance_of_rviz(bench: Bench) -> None:
     bench.page.locator("canvas").press("p")

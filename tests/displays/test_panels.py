@@ -164,7 +164,11 @@ HIDDEN_ROWS: tuple[tuple[str, dict[str, Any], set[str], set[str]], ...] = (
         {"Axis", "Min Value"}, {"Channel Name", "Min Intensity"},
     ),
     ("Temperature", {"Color Transformer": "Intensity"}, {"Min Intensity"}, {"Color Transformer"}),
-    ("DepthCloud", {"Auto Size": False}, {"Auto Size"}, {"Auto Size Factor", "Occlusion Time-Out"}),
+    (
+        "DepthCloud", {"Auto Size": False},
+        {"Auto Size", "Color Transformer"},
+        {"Auto Size Factor", "Occlusion Time-Out", "Position Transformer"},
+    ),
     ("Image", {}, {"Topic"}, {"Normalize Range", "Min Value", "Median window"}),
     ("Odometry", {"Covariance/Orientation/Color Style": "RGB"}, {"Color Style", "Frame"}, {"Axes Length"}),
     ("RobotModel", {}, {"Description Topic", "Depth"}, {"Description File", "Links"}),
@@ -184,6 +188,18 @@ def test_panel_hides_rows_without_an_effect_as_rviz_does(
     labels = {row["label"] for row in page.rows() if row["key"].startswith(f"{above}#")}
     assert shown <= labels
     assert not hidden & labels
+
+
+def test_size_that_follows_from_the_camera_is_read_only_as_in_rviz(page: Page, viewer: Viewer) -> None:
+    cloud = viewer.add("DepthCloud")
+    page.ask(act="OpenPanels")
+    size = f"{page.key('DepthCloud')}#Size (m)"
+    kinds = []
+    for is_automatic in (True, False):
+        cloud["Auto Size"] = is_automatic
+        page.ask(act="RequestUpdate")
+        kinds.append(next(row for row in page.rows() if row["key"] == size)["editor"]["kind"])
+    assert kinds == ["none", "number"]
 
 
 def test_rows_of_properties_have_the_descriptions_of_rviz(page: Page, viewer: Viewer) -> None:

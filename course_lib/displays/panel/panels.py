@@ -126,7 +126,8 @@ class Rows(dict[str, RowEntry]):
         key, value = f"{parent}#{prop.path[-1]}", holder[prop.label]
         editor = _editor(prop, holder)
         is_map = isinstance(value, dict)
-        shown_value = "" if is_map else value if editor.kind != "none" else str(value)
+        text = f"{value:.6g}" if isinstance(value, float) else str(value)
+        shown_value = "" if is_map else value if editor.kind != "none" else text
         shown = {"value": shown_value, "title": holder.describe(prop)}
         is_open = holder.is_expanded(path)
         self.put(

@@ -209,7 +209,7 @@ export class View {
       press = null;
       this.showFocus(false);
     });
-    on("contextmenu", (event) => event.preventDefault());
+    on("contextmenu", consume); // otherwise JupyterLab opens its menu after each zoom
     on("wheel", (event) => {
       if (!this.options.alone && !event.ctrlKey && document.activeElement !== this.canvas) return;
       this.drag(event.shiftKey ? 3 : 2, 0, NOTCH * notchesOf(event));
