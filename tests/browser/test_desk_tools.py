@@ -68,6 +68,18 @@ def test_selected_object_shows_its_message_and_frame(bench: Bench) -> None:
 
 
 @pytest.mark.slow
+def test_selection_is_in_sight_in_a_narrow_view(bench: Bench) -> None:
+    bench.page.evaluate("document.querySelector('.course-viewer').style.width = '500px'")
+    bench.page.locator("canvas").press("s")
+    bench.drag((0, 0))
+    selection, panel = bench.page.get_by_label("Selection"), bench.page.get_by_role("region", name="Views")
+    top, above = (element.bounding_box() for element in (selection, panel))
+    assert top is not None
+    assert above is not None
+    assert above["y"] - 1 <= top["y"] <= above["y"] + above["height"] / 2
+
+
+@pytest.mark.slow
 def test_measure_tool_reports_the_distance(bench: Bench) -> None:
     bench.page.locator("canvas").press("n")
     bench.drag((0, 0))

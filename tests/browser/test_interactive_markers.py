@@ -119,7 +119,7 @@ def test_menu_opens_with_the_right_button_and_is_operated_by_keyboard(server: Se
     assert box is not None
     bench.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, button="right")
     bench.host.carry()
-    dialog = bench.page.get_by_role("dialog", name="Menu")
+    dialog = bench.page.get_by_role("dialog", name="Choose")
     assert dialog.get_by_role("option").all_inner_texts() == ["\u3000First", "\u3000Second"]
     dialog.get_by_role("listbox").press("End")
     dialog.get_by_role("listbox").press("Enter")

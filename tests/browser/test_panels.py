@@ -191,6 +191,17 @@ def test_long_status_leaves_one_line_to_a_notice(bench: Bench) -> None:
 
 
 @pytest.mark.slow
+def test_long_notice_leaves_a_line_of_the_status_readable(bench: Bench) -> None:
+    bench.page.locator("canvas").press("n")
+    bench.drag((0, 0))
+    bench.drag((10, 0))
+    assert "[Length: " in bench.page.locator(".course-notice").inner_text()
+    status = bench.page.locator(".course-line").first
+    assert status.evaluate("status => status.clientWidth") > 200  # [px] of 780
+    assert status.evaluate("status => status.scrollHeight <= status.clientHeight")
+
+
+@pytest.mark.slow
 def test_malformed_panel_command_is_reported_in_the_status_line(bench: Bench) -> None:
     bench.widget.link.receive({"type": "panels", "act": "SetValue", "row": "nowhere", "value": 1})
     bench.host.carry()

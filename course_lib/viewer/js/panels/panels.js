@@ -65,8 +65,12 @@ export class Panels {
     this.showLine(this.status, mark.icon, mark.word, text, mark.level);
     if (JSON.stringify(notice) !== this.lastNotice) this.showLine(this.notice, "", "", notice.text ?? "", notice.level ?? "");
     this.lastNotice = JSON.stringify(notice);
-    if (values.selection && values.selection !== this.selection.textContent) this.toggle(this.right, true);
+    const isSelected = values.selection && values.selection !== this.selection.textContent;
     setChanged(this.selection, { textContent: values.selection, hidden: !values.selection });
+    if (isSelected) {
+      this.toggle(this.right, true);
+      this.right.scrollTop = this.selection.offsetTop; // below rows that may fill the panel
+    }
     setChanged(this.summary, { textContent: values.summary });
     if (changed.topics && this.addable?.isConnected) this.fillAddable();
     if (changed.topics || changed.frames) this.lists.replaceChildren(...this.suggestions(values));
@@ -170,7 +174,7 @@ export class Panels {
     const options = entries.map(({ id, text, opens }) => createElement("option", { value: id, disabled: Boolean(opens) }, text));
     const list = createElement("select", { size: Math.max(entries.length, 2) }, ...options);
     list.onclick = () => list.value && list.form.requestSubmit();
-    openDialog(this.frame, "Menu", list, (entry) => this.state.act({ act: "ChooseEntry", path, entry: Number(entry) }));
+    openDialog(this.frame, "Choose", list, (entry) => this.state.act({ act: "ChooseEntry", path, entry: Number(entry) }));
   }
 
   open() {
