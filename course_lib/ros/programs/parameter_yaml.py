@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -117,7 +118,7 @@ def _nodes(mapping: Any, path: str) -> Iterator[tuple[str, dict[str, Any]]]:
     if not isinstance(mapping, yaml.MappingNode):
         line = mapping.start_mark.line + 1 if mapping else 1
         raise ValueError(f"Cannot have a value before {PARAMETERS} at line {line}")
-    for key, value in mapping.value:
+    for position, (key, value) in enumerate(mapping.value):
         if key.value != PARAMETERS:
             name = str(key.value)
             is_separated = path.endswith("/") or (not path and name.startswith("/"))
@@ -131,26 +132,75 @@ def _nodes(mapping: Any, path: str) -> Iterator[tuple[str, dict[str, Any]]]:
         elif re.search(r"[^\w/*]|\w\*|\*\w", path, re.ASCII):
             raise ValueError("node name must not contain characters other than alphanumerics or '_'")
         else:
-            yield path, dict(_flatten(value, ""))
+            if any(other.value == PARAMETERS for other, _ in mapping.value[:position]):
+                line = key.start_mark.line + 1
+                raise ValueError(f"There are no node names before {PARAMETERS} at line {line}")
+            flattened = _Flattened()
+            flattened.read(value)
+            # Of a repeated name, the type decides which value is used, as if it were in two files.
+            parameters: dict[str, Any] = {}
+            for parameter, content in flattened.parameters:
+                if parameter in parameters:
+                    yield path, parameters
+                    parameters = {}
+                parameters[parameter] = content
+            yield path, parameters
 
 
-def _flatten(mapping: Any, prefix: str) -> Iterator[tuple[str, Any]]:
-    if not isinstance(mapping, yaml.MappingNode):
-        raise ValueError(f"No value at line {mapping.start_mark.line + 1}")
-    for key, value in mapping.value:
-        name, inner = f"{prefix}{key.value}", value
+@dataclass
+class _Flattened:
+    """The parameters of one `ros__parameters`, read as by rcl, whose bookkeeping fails at empty maps.
+
+    It adds the name of a map to the names around it at the map's first key, and removes the last
+    name at its end, even if it was empty.
+    """
+
+    parameters: list[tuple[str, Any]] = field(default_factory=list)
+    # The full names of the maps around a key.
+    _names: list[str] = field(default_factory=list)
+    # The name of a map without a key so far.
+    _new_map: str = ""
+    # Whether an empty map has ended all of `ros__parameters`.
+    _has_ended: bool = False
+
+    def read(self, mapping: Any) -> None:
+        """Add the parameters of a map."""
+        if not isinstance(mapping, yaml.MappingNode):
+            raise ValueError(f"No value at line {mapping.start_mark.line + 1}")
+        for key, value in mapping.value:
+            if self._has_ended:
+                # Everything below is read as the names of nodes.
+                if not isinstance(value, yaml.MappingNode):
+                    line = key.start_mark.line + 1
+                    raise ValueError(f"Cannot have a value before {PARAMETERS} at line {line}")
+                self.read(value)
+                continue
+            if self._new_map:
+                # A parameter of this name becomes the map.
+                self.parameters = [pair for pair in self.parameters if pair[0] != self._new_map]
+                self._names.append(self._new_map)
+                self._new_map = ""
+            self._add(f"{self._names[-1]}.{key.value}" if self._names else str(key.value), value)
+
+    def _add(self, name: str, value: Any) -> None:
+        inner = value
         # The only item of a list, or of nested lists with one item each.
         while isinstance(inner, yaml.SequenceNode):
             inner = inner.value[0] if len(inner.value) == 1 else None
-        if isinstance(value, yaml.MappingNode) and value.value:
-            yield from _flatten(value, f"{name}.")
-        elif isinstance(value, yaml.MappingNode):
-            # rcl adds a parameter that is not set.
-            yield name, None
+        if isinstance(value, yaml.MappingNode):
+            if not value.value:
+                # rcl adds a parameter that is not set.
+                self.parameters.append((name, None))
+            self._new_map = name
+            self.read(value)
+            if self._names:
+                self._names.pop()
+            else:
+                self._has_ended = True
         elif isinstance(inner, yaml.MappingNode):
-            yield from _flat_in_list(inner, f"{name}.")
+            self.parameters += _flat_in_list(inner, f"{name}.")
         else:
-            yield name, _value(value)
+            self.parameters.append((name, _value(value)))
 
 
 def _flat_in_list(mapping: yaml.MappingNode, prefix: str) -> Iterator[tuple[str, Any]]:

@@ -320,6 +320,14 @@ node.create_publisher(String, "chatter", 10)
             "--ros-args -p rate:=5.0 -p rate:=x",
             "the parameter rate is 5.0, not 'x': of values with different types",
         ),
+        (
+            "--ros-args -p rate:=3.0 --params-file both.yaml",
+            "the parameter rate of /camera is 5.0, not 3.0: an entry of the parameter file replaces the "
+            "value of -p. Write the name of the node, behind the file: -p camera:rate:=3.0.",
+        ),
+        ("--ros-args --params-file all.yaml -p rate:=3.0", "the parameter rate of /camera is 5.0, not 3.0"),
+        ("--ros-args --params-file all.yaml -p rate:=3.0 -p camera:rate:=2.0", ""),
+        ("--ros-args -p rate:=3.0 -p rate:=2.0", ""),
         ("--ros-args -r chatter:=b -p rate:=5.0", ""),
         ("--ros-args -r /scan:=/front/scan -p use_sim_time:=false -p gain:=1.0", ""),
         ("--ros-args --params-file both.yaml", ""),
@@ -338,6 +346,8 @@ def test_argument_without_effect_has_a_hint_at_the_end(
     Path("both.yaml").write_text(
         "other:\n  ros__parameters:\n    rate: 1.0\ncamera:\n  ros__parameters:\n    rate: 5.0\n"
     )
+    everywhere = "/**:\n  ros__parameters:\n    gain: 1.0\n"
+    Path("all.yaml").write_text(f"{everywhere}camera:\n  ros__parameters:\n    rate: 5.0\n")
     Path("program.py").write_text(PROGRAM)
     with use_graph(Graph(end_ns=START_NS + 10**9)):
         assert run_files([Path("program.py")], seed=1, args=words.split()) == 0

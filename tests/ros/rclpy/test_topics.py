@@ -12,10 +12,10 @@ from rclpy.event_handler import (
     SubscriptionEventCallbacks,
 )
 from rclpy.exceptions import InvalidHandle
+from rclpy.impl.endpoint import MessageInfo
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
-from rclpy.subscription import MessageInfo
 from std_msgs.msg import Int32, Int32MultiArray, String
 
 from course_lib.ros.graph.graph import START_NS

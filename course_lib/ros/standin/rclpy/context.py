@@ -190,6 +190,16 @@ class Context(AbstractContextManager["Context"]):
         self.try_shutdown()
 
 
+def require_context(given: object, first_read: str) -> None:
+    """Raise the error of rclpy for an object that is not a context.
+
+    `first_read` is the attribute that rclpy reads before it passes the object to its C code.
+    """
+    if not isinstance(given, Context):
+        getattr(given, first_read)
+        raise TypeError("__init__(): incompatible constructor arguments.")
+
+
 @dataclass
 class Contexts:
     """The contexts of one program in a run."""

@@ -32,38 +32,50 @@ class RmwPolicyKind(IntEnum):
         return f"<{self}: {self.value}>"
 
 
-@dataclass
-class QoSRequestedDeadlineMissedInfo:
+@dataclass(repr=False)
+class _Count:
     """The number of events in total, and since the last call."""
 
     total_count: int
     total_count_change: int
 
 
-@dataclass
-class QoSRequestedIncompatibleQoSInfo(QoSRequestedDeadlineMissedInfo):
+class QoSRequestedDeadlineMissedInfo(_Count):
+    """The missed deadlines of a subscription."""
+
+
+class QoSOfferedDeadlineMissedInfo(_Count):
+    """The missed deadlines of a publisher."""
+
+
+class QoSMessageLostInfo(_Count):
+    """The lost messages."""
+
+
+class QoSLivelinessLostInfo(_Count):
+    """The missed assertions of a publisher that it is alive."""
+
+
+class IncompatibleTypeInfo(_Count):
+    """The endpoints with another type."""
+
+
+@dataclass(repr=False)
+class QoSRequestedIncompatibleQoSInfo(_Count):
     """The number of incompatible endpoints, and the policy that rejected the last one."""
 
     last_policy_kind: RmwPolicyKind
 
 
-@dataclass
-class QoSSubscriptionMatchedInfo(QoSRequestedDeadlineMissedInfo):
+@dataclass(repr=False)
+class QoSSubscriptionMatchedInfo(_Count):
     """The total number of matched endpoints, and the number that still exist."""
 
     current_count: int
     current_count_change: int
 
 
-QoSOfferedDeadlineMissedInfo = QoSRequestedDeadlineMissedInfo
-QoSMessageLostInfo = QoSRequestedDeadlineMissedInfo
-QoSLivelinessLostInfo = QoSRequestedDeadlineMissedInfo
-IncompatibleTypeInfo = QoSRequestedDeadlineMissedInfo
-QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
-QoSPublisherMatchedInfo = QoSSubscriptionMatchedInfo
-
-
-@dataclass
+@dataclass(repr=False)
 class QoSLivelinessChangedInfo:
     """The number of alive and not alive publishers, and the changes since the last call."""
 
@@ -71,6 +83,24 @@ class QoSLivelinessChangedInfo:
     not_alive_count: int
     alive_count_change: int
     not_alive_count_change: int
+
+
+QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
+QoSPublisherMatchedInfo = QoSSubscriptionMatchedInfo
+# Programs print these objects: with the names of rclpy's C layer, and without their values.
+for _kind, _name in {
+    RmwPolicyKind: "qos_policy_kind_t",
+    QoSRequestedDeadlineMissedInfo: "requested_deadline_missed_status_t",
+    QoSOfferedDeadlineMissedInfo: "offered_deadline_missed_status_t",
+    QoSMessageLostInfo: "message_lost_status_t",
+    QoSLivelinessLostInfo: "liveliness_lost_status_t",
+    IncompatibleTypeInfo: "incompatible_type_status_t",
+    QoSRequestedIncompatibleQoSInfo: "requested_qos_incompatible_event_status_t",
+    QoSSubscriptionMatchedInfo: "matched_status_t",
+    QoSLivelinessChangedInfo: "liveliness_changed_status_t",
+}.items():
+    _kind.__name__ = _kind.__qualname__ = f"rmw_{_name}"
+    _kind.__module__ = "rclpy._rclpy_pybind11"
 
 
 class QoSPublisherEventType(IntEnum):
@@ -103,13 +133,18 @@ class Events:
 
     tell: Mapping[str, Report]
     handlers: "list[EventHandler]"
+    # The class of the objects that report missed deadlines.
+    deadline_info: type[_Count]
     _counts: Counter[str] = field(default_factory=Counter)
 
     def count(self, event: str, **more: Any) -> None:
         """Count an event and report the new count."""
         self._counts[event] += 1
-        kind = QoSRequestedIncompatibleQoSInfo if more else QoSRequestedDeadlineMissedInfo
-        self._say(event, kind(self._counts[event], 1, **more))
+        if more:
+            self._say(event, QoSRequestedIncompatibleQoSInfo(self._counts[event], 1, **more))
+        else:
+            kind = self.deadline_info if event == "deadline" else IncompatibleTypeInfo
+            self._say(event, kind(self._counts[event], 1))
 
     def matched(self, change: int) -> None:
         """Report that a matched endpoint was added (1) or removed (-1)."""
@@ -133,6 +168,7 @@ class EventCallbacks:
 
     _events: tuple[str, ...] = ("deadline", "incompatible_qos", "incompatible_type", "liveliness", "matched")
     _warning: str
+    _deadline_info: type[_Count]
     deadline: Report | None
     incompatible_qos: Report | None
     incompatible_type: Report | None
@@ -175,13 +211,14 @@ class EventCallbacks:
         for name, callback in callbacks.items():
             handlers.append(EventHandler(node, callback_group, callback))
             tell[name] = handlers[-1].record
-        return Events(tell, handlers)
+        return Events(tell, handlers, self._deadline_info)
 
 
 class SubscriptionEventCallbacks(EventCallbacks):
     """The event callbacks of a subscription. Messages are never lost here."""
 
     _events = (*EventCallbacks._events, "message_lost")
+    _deadline_info = QoSRequestedDeadlineMissedInfo
     _warning = (
         "New publisher discovered on topic '{}', offering incompatible QoS. "
         "No messages will be received from it. Last incompatible policy: {}"
@@ -206,6 +243,7 @@ class SubscriptionEventCallbacks(EventCallbacks):
 class PublisherEventCallbacks(EventCallbacks):
     """The event callbacks of a publisher."""
 
+    _deadline_info = QoSOfferedDeadlineMissedInfo
     _warning = (
         "New subscription discovered on topic '{}', requesting incompatible QoS. "
         "No messages will be sent to it. Last incompatible policy: {}"

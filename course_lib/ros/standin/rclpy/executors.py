@@ -20,7 +20,7 @@ from course_lib.ros.time import pace
 from course_lib.ros.time.interrupts import until_interrupted, watch
 from course_lib.ros.time.time_lock import EndBehavior, ShutDown, never, time_lock
 from course_lib.ros.tracebacks import describe_interruption, explain_interrupts, line_of_traceback
-from rclpy.context import Context, Contexts, get_default_context
+from rclpy.context import Context, Contexts, get_default_context, require_context
 from rclpy.exceptions import NotInitializedException
 from rclpy.impl import private_names
 from rclpy.impl.implementation_singleton import INVALID_CONTEXT, RCLError
@@ -138,8 +138,10 @@ class Executor(AbstractContextManager["Executor"]):
     """
 
     def __init__(self, *, context: Context | None = None) -> None:
+        context = get_default_context() if context is None else context
+        require_context(context, "handle")
         # The executor stops when this context is shut down.
-        self._context = get_default_context() if context is None else context
+        self._context = context
         if not self.context.is_initialized:
             error = NotInitializedException("cannot create executor")
             was_shut_down = current_graph().state(Contexts).initialized
@@ -194,7 +196,8 @@ class Executor(AbstractContextManager["Executor"]):
         if node in self._nodes:
             return False
         if not hasattr(node, "handle"):
-            raise AttributeError(f"'{type(node).__name__}' object has no attribute 'executor'")
+            # Python's error for an object that is not a node, or was not initialized.
+            getattr(node, "executor")  # noqa: B009
         self.__require_guard()
         if node.handle.has_left:
             print_notice(

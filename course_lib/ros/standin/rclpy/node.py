@@ -24,7 +24,7 @@ from course_lib.ros.time.time_lock import time_lock
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
-from rclpy.context import Context, Contexts, get_default_context
+from rclpy.context import Context, Contexts, get_default_context, require_context
 from rclpy.duration import S_TO_NS, Duration
 from rclpy.event_handler import Deadline, EventCallbacks, PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.exceptions import (
@@ -38,7 +38,7 @@ from rclpy.exceptions import (
 from rclpy.executors import Executor
 from rclpy.impl import names, private_names
 from rclpy.impl.arguments import merge_arguments, parse
-from rclpy.impl.endpoint import Endpoint, TopicEnd, claim_topic, require_type
+from rclpy.impl.endpoint import Endpoint, MessageInfo, TopicEnd, claim_topic, require_type
 from rclpy.impl.graph_queries import (
     NamesAndTypes,
     TopicEndpointInfo,
@@ -62,7 +62,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events, qos_profile_services_default
 from rclpy.qos_overriding_options import QoSOverridingOptions, apply_overrides
 from rclpy.service import Service
-from rclpy.subscription import MessageInfo, Subscription
+from rclpy.subscription import Subscription
 from rclpy.time_source import TimeSource
 from rclpy.timer import Rate, Timer
 
@@ -142,6 +142,7 @@ class Node:
         context = get_default_context() if context is None else context
         for flag in (use_global_arguments, enable_rosout):
             require_bool(flag)
+        require_context(context, "ok")
         if not context.is_valid:
             error = NotInitializedException("cannot create node")
             raise marked(error, Mistake.SHUT_DOWN) if current_graph().state(Contexts).initialized else error
@@ -153,7 +154,7 @@ class Node:
         with ExitStack() as failed:
             failed.callback(self.__leave_graph)
             self.__clock = ROSClock()
-            self.__created_entities: list[Any] = []
+            self.__created_entities = []
             # Entities that rcl creates in ROS, and rclpy therefore does not list.
             self.__hidden_entities: list[Any] = []
             self.__default_callback_group = MutuallyExclusiveCallbackGroup()
@@ -185,6 +186,10 @@ class Node:
 
     # Relative tolerance of a floating-point value at the steps of its range.
     PARAM_REL_TOL = 1e-6
+    __node: NodeHandle = private_names.set_by_init("_Node__node")
+    __created_entities: list[Any] = private_names.set_by_init("_publishers")
+    __parameter_store: ParameterStore = private_names.set_by_init("_parameters")
+    __allow_undeclared_parameters: bool = private_names.set_by_init("_allow_undeclared_parameters")
     # Descriptors of rclpy's private names (`watch_names` below). Methods read these, so that the
     # error without `super().__init__()` is the same as on a robot.
     _clock: Clock
@@ -656,7 +661,7 @@ class Node:
         return self.__destroy(entity, object)
 
     def __destroy(self, entity: Any, kind: type[Any]) -> bool:
-        if not isinstance(entity, kind) or entity not in self.__created_entities:
+        if entity not in self.__created_entities or not isinstance(entity, kind):
             return False
         self.__created_entities.remove(entity)
         if kind is Subscription or (kind is Timer and entity.callback is not None):

@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from functools import partial
+from types import FunctionType
 from typing import Any, Literal
 
 from service_msgs.msg import ServiceEventInfo
@@ -27,6 +28,13 @@ _ANSWERING = (ServiceEventInfo.RESPONSE_SENT, ServiceEventInfo.REQUEST_RECEIVED)
 
 class ServiceEnd(Entity):
     """A service or, if it `asks`, a client. `qos_profile` applies to both of its topics."""
+
+    def __init_subclass__(cls) -> None:
+        """Give the subclass a method of its own: Python's errors about arguments show its name."""
+        inherited = ServiceEnd.configure_introspection
+        own = FunctionType(inherited.__code__, inherited.__globals__, inherited.__name__)
+        own.__qualname__, own.__doc__ = f"{cls.__name__}.{own.__name__}", inherited.__doc__
+        cls.configure_introspection = own  # type: ignore[method-assign]
 
     def __init__(
         self,

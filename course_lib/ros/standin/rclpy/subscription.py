@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
-from typing import Any, TypedDict
+from typing import TYPE_CHECKING, Any
 
 from course_lib.ros.messages import deserialize, type_name
 from course_lib.ros.time.time_lock import time_lock
@@ -15,17 +15,8 @@ from rclpy.impl.graph_queries import to_qos
 from rclpy.impl.node_handle import Entity, NodeHandle
 from rclpy.qos import QoSProfile
 
-
-class MessageInfo(TypedDict):
-    """The times of publication and reception of a message, [ns].
-
-    The middleware does not number messages.
-    """
-
-    source_timestamp: int
-    received_timestamp: int
-    publication_sequence_number: int | None
-    reception_sequence_number: int | None
+if TYPE_CHECKING:
+    from rclpy.impl.endpoint import MessageInfo
 
 
 class Subscription(Entity, TopicEnd[MsgT]):
@@ -88,12 +79,12 @@ class Subscription(Entity, TopicEnd[MsgT]):
         message: Any = cdr if self.raw else deserialize(cdr, self.__message_class)
         if not self.__takes_info:
             return partial(self.callback, message)
-        info = MessageInfo(
-            source_timestamp=source_ns,
-            received_timestamp=received_ns,
-            publication_sequence_number=None,
-            reception_sequence_number=None,
-        )
+        info: MessageInfo = {
+            "source_timestamp": source_ns,
+            "received_timestamp": received_ns,
+            "publication_sequence_number": None,
+            "reception_sequence_number": None,
+        }
         return partial(self.callback, message, info)
 
     def get_publisher_count(self) -> int:

@@ -74,6 +74,8 @@ class RequestedNames:
     nodes: set[str] = field(default_factory=set)
     parameters: set[str] = field(default_factory=set)
     applied: set[str] = field(default_factory=set)
+    # Hints about values of `-p` that a file replaces.
+    replaced: dict[str, None] = field(default_factory=dict)
 
 
 @dataclass
@@ -84,6 +86,8 @@ class Arguments:
     remaps: list[Remap] = field(default_factory=list)
     # Parameter values by node name pattern; the last matching entry wins.
     overrides: list[tuple[str, dict[str, Any]]] = field(default_factory=list)
+    # Node name pattern, name and value of each `-p`, without lists.
+    given: list[tuple[str, str, Any]] = field(default_factory=list)
     # Levels by logger name; "" applies to all loggers.
     log_levels: dict[str, LoggingSeverity] = field(default_factory=dict)
     # Warnings that rcl logs about the command line.
@@ -115,6 +119,7 @@ class Arguments:
         that the command line has for this program.
         """
         yield from self.ignored
+        yield from self.requested.replaced
         topics, nodes, declared = self.requested.topics, self.requested.nodes, self.requested.parameters
         for rule in self.remaps:
             if not rule.match.startswith("__") and rule.match not in self.requested.applied:
@@ -145,18 +150,33 @@ class Arguments:
         self.requested.nodes.add(full_node_name)
         parameters: dict[str, Parameter] = {}
         for nodes, values in self.overrides:
-            # `*` matches one token of a full name, `**` any number of tokens.
-            parts = re.split(r"(/\*\*|/\*)", nodes if nodes.startswith("/") else f"/{nodes}")
-            wild = {"/**": r"(/\w+)*", "/*": r"(/\w+)"}
-            pattern = "".join(wild.get(part, re.escape(part)) for part in parts)
-            if re.fullmatch(pattern, full_node_name):
+            if _matches(nodes, full_node_name):
                 self.requested.applied.add(nodes)
                 # In rcl an empty list has no type, so it is not a value.
                 parameters |= {n: Parameter(n, value=None if v == [] else v) for n, v in values.items()}
+        given = {(name, value) for nodes, name, value in self.given if _matches(nodes, full_node_name)}
+        for name, value in given:
+            used = parameters[name].value
+            # A difference in type is reported while the values are merged.
+            if type(used) is type(value) and (name, used) not in given:
+                node = full_node_name.rpartition("/")[2]
+                self.requested.replaced[
+                    f"the parameter {name} of {full_node_name} is {used!r}, not {value!r}: an entry of the "
+                    "parameter file replaces the value of -p. Write the name of the node, behind the file: "
+                    f"-p {node}:{name}:={value}."
+                ] = None
         return parameters
 
     def _of(self, node_name: str) -> Iterator[Remap]:
         return (rule for rule in self.remaps if rule.node in (None, node_name))
+
+
+def _matches(nodes: str, full_node_name: str) -> bool:
+    """Return whether a pattern matches: `*` one token of a full name, `**` any number of tokens."""
+    parts = re.split(r"(/\*\*|/\*)", nodes if nodes.startswith("/") else f"/{nodes}")
+    wild = {"/**": r"(/\w+)*", "/*": r"(/\w+)"}
+    pattern = "".join(wild.get(part, re.escape(part)) for part in parts)
+    return re.fullmatch(pattern, full_node_name) is not None
 
 
 def parse(args: Sequence[str], parsed: Arguments | None = None) -> Arguments:
@@ -181,7 +201,7 @@ def parse(args: Sequence[str], parsed: Arguments | None = None) -> Arguments:
                     f"--ros-args {before} {word}."
                 )
             before = word
-            remap = _ros_1_remap(word)
+            remap = _ros_1_remap(word, parsed)
             if remap is not None:
                 parsed.remaps.append(remap)
                 parsed.warnings.append(
@@ -240,13 +260,15 @@ def merge_arguments(first: Arguments, second: Arguments) -> Arguments:
     """Merge two sets of arguments. The first one takes precedence."""
     levels = second.log_levels | first.log_levels
     remaps, overrides = first.remaps + second.remaps, second.overrides + first.overrides
-    return Arguments(remaps, overrides, levels, requested=second.requested)
+    given = second.given + first.given
+    return Arguments(remaps, overrides, given, levels, requested=second.requested)
 
 
 def strip_ros_arguments(args: Sequence[str], parsed: Arguments) -> list[str]:
     """Return the arguments of the program itself. Raises the errors of `parse`."""
     parse(args, parsed)
-    return [word for word, is_for_ros in _split(args) if not is_for_ros and _ros_1_remap(word) is None]
+    mine = [word for word, is_for_ros in _split(args) if not is_for_ros]
+    return [word for word in mine if _ros_1_remap(word, Arguments()) is None]
 
 
 def _split(args: Sequence[str]) -> Iterator[tuple[str, bool]]:
@@ -263,16 +285,28 @@ def _split(args: Sequence[str]) -> Iterator[tuple[str, bool]]:
             is_value = for_ros and not is_value and _FLAGS.get(word, word) in _WORDS
 
 
-def _ros_1_remap(word: str) -> Remap | None:
+def _ros_1_remap(word: str, parsed: Arguments) -> Remap | None:
     """Parse a remapping in ROS 1 style, `chatter:=other`; return None for other arguments."""
     rule = _RULE.fullmatch(word)
-    if rule is None:
+    try:
+        return None if rule is None else _remap(rule, parsed)
+    except ValueError:
         return None
+
+
+def _remap(rule: re.Match[str], parsed: Arguments) -> Remap:
+    """Return a remapping rule. Raise ValueError if it is invalid, with a warning of rcl for some."""
     node, match, to = rule.group("node", "match", "to")
+    if rule["kind"] and match.startswith("__"):
+        raise ValueError(f"{rule['kind']}:// needs the name of a topic or service, not {match}")
     try:
         _check_remap(match, to)
     except ValueError:
-        return None
+        if match == "__ns":
+            parsed.warnings.append(f"Namespace not remapped to a fully qualified name (found: {to})")
+        elif match in ("__node", "__name") and not re.match("[A-Za-z_]", to):
+            parsed.warnings.append(f"Node name not remapped to invalid name: '{to}'")
+        raise
     kind = _SCHEMES.get(rule["kind"] or "")
     return Remap(node, "__node" if match == "__name" else match, to, kind)
 
@@ -295,8 +329,8 @@ def _add(parsed: Arguments, flag: str, value: str) -> None:
         rule = _RULE.fullmatch(value)
         if rule is None:
             raise ValueError("Expected name:=value" if flag == "--param" else "Expected from:=to")
-        node, match, to = rule.group("node", "match", "to")
         if flag == "--param":
+            node, match, to = rule.group("node", "match", "to")
             # The errors of rcl's parser for a character that a parameter name cannot contain.
             wrong = re.search(r"[^\w./]|\.(?=\.|$)|(?<=/)__", match, re.ASCII)
             if rule["kind"] or re.search(r"^[^A-Za-z_/]|(?:^|\.)__", match):
@@ -304,13 +338,12 @@ def _add(parsed: Arguments, flag: str, value: str) -> None:
             if wrong is not None:
                 at = wrong.start()
                 raise ValueError(f"Expected lexeme type (22) not found, search ended at index {at}")
-            parsed.overrides.append((f"/{node}" if node else "/**", {match: read_argument(to)}))
+            nodes, argument = f"/{node}" if node else "/**", read_argument(to)
+            parsed.overrides.append((nodes, {match: argument}))
+            if not isinstance(argument, list):
+                parsed.given.append((nodes, match, argument))
         else:
-            if rule["kind"] and match.startswith("__"):
-                raise ValueError(f"{rule['kind']}:// needs the name of a topic or service, not {match}")
-            _check_remap(match, to)
-            kind = _SCHEMES.get(rule["kind"] or "")
-            parsed.remaps.append(Remap(node, "__node" if match == "__name" else match, to, kind))
+            parsed.remaps.append(_remap(rule, parsed))
 
 
 def _check_remap(match: str, to: str) -> None:

@@ -1,7 +1,7 @@
 """The graph endpoints of publishers and subscriptions, and their matching."""
 
 from dataclasses import dataclass
-from typing import Any, Generic, Literal, TypeVar
+from typing import Any, Generic, Literal, TypedDict, TypeVar
 from weakref import WeakKeyDictionary
 
 from course_lib.ros.graph.graph import Graph
@@ -23,6 +23,18 @@ _NO_TYPE_SUPPORT = (
 
 # The events of each endpoint, by endpoint id. Shared by all programs of a graph.
 _events: WeakKeyDictionary[Graph, dict[int, Events]] = WeakKeyDictionary()
+
+
+class MessageInfo(TypedDict):
+    """The times of publication and reception of a message, [ns].
+
+    The middleware does not number messages.
+    """
+
+    source_timestamp: int
+    received_timestamp: int
+    publication_sequence_number: int | None
+    reception_sequence_number: int | None
 
 
 @dataclass(eq=False, repr=False)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from course_lib.ros.graph.graph import EndpointInfo, NodeInfo
 from course_lib.ros.graph.topics import Qos
@@ -45,13 +45,22 @@ class TopicEndpointTypeEnum(IntEnum):
 class TypeHash:
     """The hash of a type: the version of the algorithm, and 32 bytes."""
 
+    _TYPE_HASH_SIZE: ClassVar = 32
     version: int = -1
-    value: bytes = bytes(32)
+    value: bytes = bytes(_TYPE_HASH_SIZE)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if not isinstance(value, {"version": int, "value": bytes}.get(name, object)):
+            raise AssertionError
+        super().__setattr__(name, value)
 
     def __str__(self) -> str:
-        is_valid = self.version > 0 and len(self.value) == 32
+        is_valid = self.version > 0 and len(self.value) == self._TYPE_HASH_SIZE
         return f"RIHS{self.version:02}_{self.value.hex()}" if is_valid else "INVALID"
 
+
+# rclpy defines it in a module of this name.
+TypeHash.__module__ = "rclpy.type_hash"
 
 # The attributes of TopicEndpointInfo, with functions that return their defaults.
 _DEFAULTS: dict[str, Callable[[], object]] = {

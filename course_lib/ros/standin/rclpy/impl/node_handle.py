@@ -11,7 +11,7 @@ from rcl_interfaces.msg import ListParametersResult, ParameterDescriptor, SetPar
 from course_lib.ros.graph.graph import ProgramNodes
 from course_lib.ros.mistakes import Mistake
 from rclpy.callback_groups import CallbackGroup
-from rclpy.context import Context, get_default_context
+from rclpy.context import Context, get_default_context, require_context
 from rclpy.exceptions import InvalidHandle
 from rclpy.impl import names
 from rclpy.impl.arguments import Arguments
@@ -308,7 +308,9 @@ class GuardCondition(Entity):
         callback_group: CallbackGroup | None,
         context: Context | None = None,
     ) -> None:
-        if not (context or get_default_context()).is_valid:
+        context = context or get_default_context()
+        require_context(context, "handle")
+        if not context.is_valid:
             raise RCLError(f"failed to create guard_condition: {INVALID_CONTEXT}")
         self.callback = callback
         self.callback_group = callback_group  # type: ignore[assignment]  # None without a node

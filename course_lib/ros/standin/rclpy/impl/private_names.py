@@ -5,12 +5,13 @@ descriptor of the class that reports assignments. Python calls a descriptor only
 attribute, so nothing else becomes slower.
 """
 
+import sys
 import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
 from operator import attrgetter
-from types import FunctionType
+from types import FrameType, FunctionType
 from typing import Any
 
 from course_lib.ros.notices import print_notice
@@ -177,6 +178,59 @@ class PrivateName:
 
     def __delete__(self, node: Any) -> None:
         node.__dict__.pop(self._name, None)
+
+
+# The attribute that a method of rclpy's Node reads first, which its error names if
+# `super().__init__()` has not been called.
+_FIRST_READ = {
+    **dict.fromkeys(("create_client", "create_service"), "_default_callback_group"),
+    **dict.fromkeys(("add_waitable", "remove_waitable"), "_Node__waitables"),
+    **dict.fromkeys(("set_parameters", "set_parameters_atomically"), "_pre_set_parameters_callbacks"),
+    **dict.fromkeys(("describe_parameter", "describe_parameters"), "_descriptors"),
+    **{
+        f"{verb}_{time}_parameters_callback": f"_{time}_parameters_callbacks"
+        for verb in ("add", "remove")
+        for time in ("pre_set", "on_set", "post_set")
+    },
+    "declare_parameters": "_parameter_overrides",
+    "destroy_node": "_publishers",
+    "context": "_context",
+    "executor": "_Node__executor_weakref",
+}
+
+
+class _SetByInit:
+    """A descriptor for an attribute that `Node.__init__` sets.
+
+    Python calls it only if the object does not have the attribute, and it raises rclpy's error.
+    """
+
+    def __init__(self, first_read: str) -> None:
+        self._first_read = first_read
+
+    def __get__(self, node: Any, owner: type) -> Any:
+        if node is None:
+            return self
+        caller, first_read = sys._getframe(1), self._first_read
+        frame: FrameType | None = caller
+        while frame is not None and frame.f_globals is caller.f_globals:
+            kind = frame.f_locals.get("kind")
+            if isinstance(kind, type):
+                # The methods for the entities of one kind read rclpy's list of them.
+                first_read = f"_{kind.__name__.removesuffix('Condition').lower()}s"
+                break
+            if frame.f_code.co_name in _FIRST_READ:
+                first_read = _FIRST_READ[frame.f_code.co_name]
+                break
+            frame = frame.f_back
+        raise AttributeError(
+            f"'{owner.__name__}' object has no attribute '{first_read}'", name=first_read, obj=node
+        )
+
+
+def set_by_init(first_read: str) -> Any:
+    """Return a descriptor for an attribute that `__init__` sets. `first_read` is rclpy's attribute."""
+    return _SetByInit(first_read)
 
 
 # (class, name) pairs reported so far in this process.

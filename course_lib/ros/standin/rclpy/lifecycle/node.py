@@ -373,6 +373,8 @@ class LifecycleNodeMixin(ManagedEntity):
         if enable_communication_interface:
             LifecycleServices(node, self.__state_machine, self.__change_state, callback_group)
 
+    __state_machine: StateMachine = private_names.set_by_init("_state_machine")
+
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Report attributes of a student's class whose names are private in rclpy."""
         super().__init_subclass__(**kwargs)
