@@ -133,6 +133,10 @@ def test_labels_overlap_as_in_rviz_until_a_button_hides_occluded_labels(host: Ho
     scene.set_transform("aside", [[1.0, 0, 0, 0], [0, 1.0, 0, -1.8], [0, 0, 1.0, 0], [0, 0, 0, 1.0]])
     show_scene(host, scene)
     apart = host.page.get_by_role("button", name="Labels do not overlap")
+    boxes = [button.bounding_box() for button in (apart, host.page.get_by_role("button", name="Full screen"))]
+    # Only JupyterLab has a button between them.
+    left, right = (box["x"] for box in boxes if box)
+    assert right - left < 30
     assert count(host.pixels(), GREEN, within=120) > 50
     apart.click()
     host.carry()

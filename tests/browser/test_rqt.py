@@ -9,7 +9,7 @@ from playwright.sync_api import Locator, Page, expect
 from rcl_interfaces.msg import Log
 
 from course_lib.ros.graph.graph import Graph
-from course_lib.tools.rqt.monitors import ConsoleView
+from course_lib.tools.rqt.monitors import ConsoleView, topic_cells
 from course_lib.tools.rqt.view import STYLE
 from tests.browser.axe import faults
 from tests.browser.jupyterlab import Lab, Notebook, opened
@@ -163,6 +163,22 @@ def test_console_beside_a_view_breaks_lines_between_parts_of_names(
     assert [cells.nth(index).evaluate(COUNT_LINES) for index in (1, 4, 5)] == lines
     screen = one_page.locator(".rqt-screen")
     assert screen.evaluate("screen => screen.scrollWidth - screen.clientWidth") == 0
+
+
+@pytest.mark.parametrize(("width", "lines"), [(1000, 1), (560, 2), (380, 3)])  # [px]
+def test_topic_monitor_has_more_lines_in_a_narrow_cell(one_page: Page, width: int, lines: int) -> None:
+    cells = topic_cells(["visualization_msgs/msg/MarkerArray", "278.16 KB/s", "30.00", 30 * "0.0,"])
+    boxes = "style='display: flex'"  # as by the style of ipywidgets
+    name = "<button style='flex: none; width: 210px; height: 28px'>/robot/annotations</button>"
+    row = f"<div class='widget-hbox rqt-row' {boxes}>{name}<div class='widget-html' style='flex: 1'>{cells}"
+    one_page.set_viewport_size({"width": width, "height": 200})  # [px]
+    one_page.set_content(f"{STYLE}<div class='rqt'><div class='rqt-wide'>{row}")
+    sheet = one_page.locator(".rqt-wide")
+    assert sheet.evaluate("sheet => sheet.scrollWidth - sheet.clientWidth") == 0
+    read = "parts => parts.map((part) => [part.getBoundingClientRect().bottom, part.offsetWidth])"
+    parts = one_page.locator("button, .rqt-cells span").evaluate_all(read)
+    assert len({round(bottom / 15) for bottom, _ in parts[1:]}) + (parts[0][1] > 300) == lines
+    assert parts[-1][1] > 200
 
 
 def test_notice_follows_the_colors_of_a_dark_theme(one_page: Page) -> None:

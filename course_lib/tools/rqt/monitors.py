@@ -119,7 +119,7 @@ class TopicView(RqtView):
         self.add_text("Filter", hint="part of a name")
 
     def body(self) -> list[Any]:
-        """Return the headings above the rows, which scroll sideways in a narrow window."""
+        """Return the headings above the rows, which have more lines in a narrow window."""
         from ipywidgets import VBox
 
         sheet = VBox([self.screen, self.table])
@@ -141,13 +141,13 @@ class TopicView(RqtView):
     def refresh(self) -> None:
         """Update the rows."""
         first, *others = _TOPIC_HEADS
-        self.screen.value = f"<b class='rqt-heads'>{tag('span', first)}{_cells(others)}</b>"
+        self.screen.value = f"<b class='rqt-heads'>{tag('span', first)}{topic_cells(others)}</b>"
         for topic in (topics := self._topics()):
             if topic not in self.rows:
                 self.rows[topic] = self._row(topic)
             line, value = self.rows[topic].children
             button, about = line.children
-            about.value = _cells(self.cells(topic, topics[topic]))
+            about.value = topic_cells(self.cells(topic, topics[topic]))
             button.icon = "caret-down" if button.value else "caret-right"
             last = self._last_samples.get(topic)
             text = to_yaml(last.message(), PrintOptions()) if last and button.value else "no message yet"
@@ -188,7 +188,8 @@ class TopicView(RqtView):
         return [", ".join(types), *rates, value]
 
 
-def _cells(texts: tuple[str, ...] | list[str]) -> str:
+def topic_cells(texts: tuple[str, ...] | list[str]) -> str:
+    """Return the cells of a row as HTML, with tooltips."""
     # The spaces separate the cells on pages without the view's style.
     cells = " ".join(tag("span", escape(cell_text), title=cell_text) for cell_text in texts)
     return tag("div", cells, **{"class": "rqt-cells"})

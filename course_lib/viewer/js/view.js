@@ -68,7 +68,8 @@ export class View {
     });
     this.separateButton.ariaPressed = "false";
     this.separateButton.hidden = true;
-    this.separateButton.style.cssText = `${CORNER};right:calc(var(--course-pictures,0px) + 54px);top:0;border:0;cursor:pointer;opacity:0.7`;
+    const fromRight = "calc(var(--course-pictures,0px) + var(--course-opener,27px))";
+    this.separateButton.style.cssText = `${CORNER};right:${fromRight};top:0;border:0;cursor:pointer;opacity:0.7`;
     host.append(this.canvas, this.message, this.fullScreenButton, this.separateButton);
     this.host = host;
     this.addListeners();
