@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from playwright.sync_api import expect
 from std_msgs.msg import String
 
 from tests.browser.bench import Bench
@@ -62,6 +63,23 @@ def test_property_editors_match_the_property_types(bench: Bench) -> None:
     assert [grid[label] for label in ("Cell Size", "Plane", "Offset", "Color", "Alpha")] == [
         2.5, "XZ", (0.0, 0.0, 1.0), (255, 0, 128), 1.0,
     ]  # fmt: skip
+
+
+def test_fields_show_the_value_that_python_has_accepted(bench: Bench) -> None:
+    bench.open()
+    field = bench.page.get_by_role("spinbutton", name="Frame Rate")
+    for typed in ("-5", "-1", "e"):  # each is clipped or rejected, and the second one changes nothing
+        field.press("Control+a")
+        field.press_sequentially(typed)
+        field.press("Enter")
+        bench.host.carry()
+        expect(field).to_have_value("1")
+    assert "'Frame Rate' is '', expected an integer" in bench.page.locator(".course-notice").inner_text()
+    field.fill("12")
+    field.press("Escape")
+    bench.host.carry()
+    expect(field).to_have_value("1")
+    assert bench.viewer.options["Frame Rate"] == 1
 
 
 @pytest.mark.slow

@@ -11,18 +11,38 @@ const hex = (rgb) => `#${rgb.map((part) => part.toString(16).padStart(2, "0")).j
 /** @param {string} text */
 const rgb = (text) => [1, 3, 5].map((start) => parseInt(text.slice(start, start + 2), 16));
 
+const ANSWER_TIME = 500; // [ms] that Python may take to accept, clip or reject a value
+
+/** @param {any} input @returns {number | string} an invalid number as the text that Python rejects, not as NaN */
+const numberOf = ({ valueAsNumber }) => (Number.isNaN(valueAsNumber) ? "" : valueAsNumber);
+
 /**
  * A text field that accepts a new value only while the user is not typing in it.
  * @param {any} fields @param {(field: any) => void} onchange @param {(value: any) => string} show
  */
 function inputField(fields, onchange, show = String) {
-  const input = createElement("input", { ...fields, onchange: () => onchange(input) });
-  return {
-    element: input,
-    update: (/** @type {any} */ value) => {
-      if (document.activeElement !== input) input.value = show(value);
-    },
+  let isTyping = false;
+  /** @type {any} */
+  let value;
+  const update = (now = value) => {
+    value = now;
+    if (!isTyping) input.value = show(value);
   };
+  const input = createElement("input", {
+    ...fields,
+    oninput: () => (isTyping = true),
+    onkeydown: (/** @type {KeyboardEvent} */ { key }) => {
+      if (key !== "Escape") return;
+      isTyping = false; // the value is restored, as in RViz
+      update();
+    },
+    onchange: () => {
+      isTyping = false;
+      onchange(input);
+      setTimeout(update, ANSWER_TIME); // Python sends nothing if the value remains what it was
+    },
+  });
+  return { element: input, update };
 }
 
 /** @typedef {(row: Row, set: (value: any) => void, list: string) => Control} EditorFactory creates a control */
@@ -30,7 +50,7 @@ function inputField(fields, onchange, show = String) {
 const numberField = ({ editor }, set) => {
   const limits = { min: editor?.low ?? "", max: editor?.high ?? "" };
   const step = editor?.kind === "integer" ? 1 : "any";
-  return inputField({ type: "number", step, ...limits }, (input) => set(input.valueAsNumber), formatNumber);
+  return inputField({ type: "number", step, ...limits }, (input) => set(numberOf(input)), formatNumber);
 };
 /** @type {EditorFactory} */
 const textField = (_, set, list) => {
@@ -63,7 +83,7 @@ const EDITORS = {
     return { ...control, update };
   },
   vector: ({ label }, set) => {
-    const change = () => set(axes.map(({ element }) => element.valueAsNumber));
+    const change = () => set(axes.map(({ element }) => numberOf(element)));
     const axes = ["x", "y", "z"].map((axis) =>
       inputField({ type: "number", step: "any", ariaLabel: `${label} ${axis}` }, change, formatNumber),
     );
