@@ -66,7 +66,7 @@ def test_property_editors_match_the_property_types(bench: Bench) -> None:
 
 
 def test_fields_show_the_value_that_python_has_accepted(bench: Bench) -> None:
-    bench.open()
+    bench.open("Marker", "Topic")
     field = bench.page.get_by_role("spinbutton", name="Frame Rate")
     for typed in ("-5", "-1", "e"):  # each is clipped or rejected, and the second one changes nothing
         field.press("Control+a")
@@ -75,6 +75,11 @@ def test_fields_show_the_value_that_python_has_accepted(bench: Bench) -> None:
         bench.host.carry()
         expect(field).to_have_value("1")
     assert "'Frame Rate' is '', expected an integer" in bench.page.locator(".course-notice").inner_text()
+    depth = bench.page.get_by_role("spinbutton", name="Depth")
+    depth.fill("1234567")
+    depth.press("Enter")
+    bench.host.carry()
+    expect(depth).to_have_value("1234567")
     field.fill("12")
     field.press("Escape")
     bench.host.carry()
@@ -118,6 +123,15 @@ def test_displays_are_added_by_topic_of_the_running_graph_and_by_type(bench: Ben
         ("Marker", "Marker"), ("Axes", "Axes"),
     ]  # fmt: skip
     assert bench.viewer.displays[before]["Topic"] == "/others"
+
+
+@pytest.mark.slow
+def test_row_that_is_not_a_display_is_not_renamed(bench: Bench) -> None:
+    bench.open()
+    bench.row("Global Options").focus()
+    bench.press("Rename the chosen display")
+    expect(bench.page.get_by_role("dialog")).to_have_count(0)
+    assert bench.page.locator(".course-notice").inner_text() == "Select a display in the tree first."
 
 
 @pytest.mark.slow

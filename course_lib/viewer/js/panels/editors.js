@@ -49,8 +49,8 @@ function inputField(fields, onchange, show = String) {
 /** @type {EditorFactory} */
 const numberField = ({ editor }, set) => {
   const limits = { min: editor?.low ?? "", max: editor?.high ?? "" };
-  const step = editor?.kind === "integer" ? 1 : "any";
-  return inputField({ type: "number", step, ...limits }, (input) => set(numberOf(input)), formatNumber);
+  const [step, show] = editor?.kind === "integer" ? [1, String] : ["any", formatNumber];
+  return inputField({ type: "number", step, ...limits }, (input) => set(numberOf(input)), show);
 };
 /** @type {EditorFactory} */
 const textField = (_, set, list) => {

@@ -125,8 +125,11 @@ export class Panels {
       button("Add", "Add a display", () => this.add()),
       button("Duplicate", "Duplicate the chosen display", () => act({ act: "DuplicateDisplay", row: this.tree.selected })),
       button("Rename", "Rename the chosen display", () => {
-        const { key, label } = this.state.rows[this.tree.selected];
-        openDialog(this.frame, "Rename", createElement("input", { value: label }), (name) => act({ act: "RenameRow", row: key, name }));
+        const { key, label, checked } = this.state.rows[this.tree.selected];
+        /** @param {string} name */
+        const rename = (name) => act({ act: "RenameRow", row: key, name });
+        if (checked === undefined) rename(label); // it is not a display, and the answer says so
+        else openDialog(this.frame, "Rename", createElement("input", { value: label }), rename);
       }),
       button("Remove", "Remove the chosen display (Delete)", () => act({ act: "RemoveRow", row: this.tree.selected })),
       button("Open", "Open a layout (Ctrl+O)", () => this.open()),
