@@ -40,9 +40,13 @@ def test_saved_view_is_restored(bench: Bench) -> None:
     bench.page.get_by_role("combobox", name="Type of view").select_option("TopDownOrtho")
     bench.host.carry()
     assert repr(bench.viewer.view) == "TopDownOrtho"
+    notice = bench.page.locator(".course-notice")
+    bench.press("Use the chosen saved view")
+    assert notice.inner_text() == "Choose a saved view first."
     bench.page.get_by_role("listbox", name="Saved views").select_option("Start")
     bench.press("Use the chosen saved view")
     assert repr(bench.viewer.view) == "Orbit"
+    assert notice.inner_text() == ""
 
 
 @pytest.mark.slow

@@ -251,6 +251,12 @@ def test_group_is_toggled_and_removed_along_with_its_displays(page: Page, viewer
     assert [display.name for display in viewer.displays] == ["My grid", "Old", "From ROS 1"]
 
 
+def test_views_without_a_name_are_named_by_their_type(page: Page, viewer: Viewer) -> None:
+    page.ask(act="SaveView", name=" ")
+    page.ask(act="RenameView", index=0, name="")
+    assert [view.name for view in viewer.session.saved_views] == ["Orbit"]
+
+
 def test_layouts_written_in_lessons_can_be_loaded_and_saved(page: Page) -> None:
     Path("my_files").mkdir()
     Path("my_files/old.rviz").write_text(LAYOUT)

@@ -377,13 +377,14 @@ class CommandHandler:
                 session.view.return_home()
             case protocol.SaveView(name=name):
                 view = view_of(view_config(session.view))[0]
-                view.name = name
+                view.name = name.strip() or str(view)
                 session.saved_views.append(view)
             case protocol.UseView(index=index):
                 config = view_config(self._saved_view(index))
                 session.view = view_of({**config, "Name": "Current View"})[0]
             case protocol.RenameView(index=index, name=name):
-                self._saved_view(index).name = name
+                view = self._saved_view(index)
+                view.name = name.strip() or view.name
             case protocol.RemoveView(index=index):
                 session.saved_views.remove(self._saved_view(index))
             case protocol.TurnView(eye=eye, target=target, up=up, scale=scale):

@@ -205,8 +205,9 @@ export class Panels {
       openDialog(this.frame, title, createElement("input", { value: this.saved.value || this.types.value }), onValue);
     /** @param {(index: number) => void} onValue */
     const withSelectedView = (onValue) => {
-      if (this.saved.selectedIndex >= 0) onValue(this.saved.selectedIndex);
-      else this.showLine(this.notice, "", "", "Choose a saved view first.", "");
+      const isChosen = this.saved.selectedIndex >= 0;
+      this.showLine(this.notice, "", "", isChosen ? "" : "Choose a saved view first.", "");
+      if (isChosen) onValue(this.saved.selectedIndex);
     };
     return createElement(
       "div",
