@@ -843,8 +843,7 @@ class DepthCloudDisplay(CloudDisplay):
             while self._waiting_colors.popleft() is not color:
                 pass
         self._depth = None
-        no_info = f"no CameraInfo was received on {info_topic(self[self.topic_label])}: RViz draws nothing."
-        self.statuses.hint("Camera Info", *([no_info] if self._info is None else []))
+        self.statuses.hint("Camera Info", *self._flaws_of_info())
         transform = None if self._info is None else self.transform_at(depth.header)
         if transform is None:
             return
@@ -852,6 +851,16 @@ class DepthCloudDisplay(CloudDisplay):
             self._show_images(depth, color, transform)
         except ValueError as error:
             self.statuses.set("error", "Message", f"Error updating depth cloud: {error}")
+
+    def _flaws_of_info(self) -> Iterator[str]:
+        """Yield the reasons in the camera info for which RViz draws no points, without any status."""
+        topic, info = info_topic(self[self.topic_label]), self._info
+        if info is None:
+            yield f"no CameraInfo was received on {topic}: RViz draws nothing."
+            return
+        if zeros := [f"p[{index}]" for index in (0, 5) if not info.p[index]]:
+            names = " and ".join(zeros) + (" is 0" if len(zeros) == 1 else " are 0")
+            yield f"{names} in the CameraInfo on {topic}, expected the focal length [px]: RViz draws nothing."
 
     def _show_images(self, image: Any, color: Any, transform: Matrix) -> None:
         depth = depths(image)

@@ -91,6 +91,18 @@ def test_nothing_is_drawn_without_camera_info_and_a_hint_is_shown() -> None:
     assert INFO in " ".join(bench.hints(display))
 
 
+def test_camera_info_without_focal_lengths_causes_a_hint() -> None:
+    bench = Bench()
+    display = add(bench)
+    without = info()
+    without.p = np.zeros(12)  # often forgotten: k seems to be enough
+    hear(bench, without, depth(1.0, 1.0))
+    assert bench.status(display, "Points") == ("ok", "Showing [0] points from [1] messages")
+    assert f"p[0] and p[5] are 0 in the CameraInfo on {INFO}" in " ".join(bench.hints(display))
+    hear(bench, info(), depth(1.0, 1.0, at=0.1), at=0.1)
+    assert bench.hints(display) == []
+
+
 def test_depth_image_waits_for_its_color_image() -> None:
     bench = Bench()
     display = add(bench, color_image_topic=COLOR)
