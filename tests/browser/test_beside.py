@@ -142,6 +142,17 @@ def test_buttons_move_the_view_between_its_cells_and_the_side_panel(notebook: No
     expect(in_cells(notebook)).to_have_count(2)
 
 
+def test_wheel_zooms_the_view_beside_the_notebook_without_a_click(notebook: Notebook) -> None:
+    ask_for_view_beside(notebook)
+    distance = "print(viewer.view['Distance'])"
+    before = float(notebook.kernel(distance))
+    notebook.cell("publisher.publish")  # the notebook has the focus
+    panel(notebook).hover()
+    notebook.page.mouse.wheel(0, 100)
+    wait_until(lambda: float(notebook.kernel(distance)) > before, notebook.page)
+    notebook.page.mouse.wheel(0, -100)
+
+
 def test_code_beside_a_view_is_readable_and_the_view_is_wide_enough(notebook: Notebook) -> None:
     ask_for_view_beside(notebook)
     wait_until(lambda: columns(notebook) >= READABLE, notebook.page)

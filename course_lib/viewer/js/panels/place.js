@@ -53,7 +53,7 @@ export class Place {
     this.isBeside = this.panel !== null;
     this.openButton.hidden = !lab || this.isBeside;
     if (this.isBeside !== wasBeside) {
-      this.view.orbit.isTall = this.isBeside;
+      this.view.orbit.isTall = this.view.options.alone = this.isBeside;
       this.view.invalidate();
       arrange();
     } else this.arrange();
