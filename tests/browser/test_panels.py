@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import expect
+from sensor_msgs.msg import Image
 from std_msgs.msg import String
 
 from tests.browser.bench import Bench
@@ -123,6 +124,17 @@ def test_displays_are_added_by_topic_of_the_running_graph_and_by_type(bench: Ben
         ("Marker", "Marker"), ("Axes", "Axes"),
     ]  # fmt: skip
     assert bench.viewer.displays[before]["Topic"] == "/others"
+
+
+@pytest.mark.slow
+def test_topic_of_several_displays_is_suggested_once(bench: Bench) -> None:
+    publish(bench.graph, "/camera/depth", Image())  # for Camera, DepthCloud and Image
+    bench.viewer.add("DepthCloud")
+    bench.viewer.refresh()
+    bench.open("DepthCloud")
+    field = bench.page.get_by_role("combobox", name="Depth Map Topic")
+    options = bench.page.locator(f"[id='{field.get_attribute('list')}'] option")
+    assert options.evaluate_all("all => all.map((one) => one.value)") == ["/camera/depth"]
 
 
 @pytest.mark.slow

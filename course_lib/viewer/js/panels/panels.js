@@ -239,7 +239,7 @@ export class Panels {
     const lists = { frames };
     for (const { topic, type } of topics) (lists[type] ??= []).push(topic);
     return Object.entries(lists).map(([name, words]) =>
-      createElement("datalist", { id: this.id + name }, ...words.map((word) => new Option(word, word))),
+      createElement("datalist", { id: this.id + name }, ...[...new Set(words)].map((word) => new Option(word, word))),
     );
   }
 
