@@ -107,11 +107,13 @@ def _end_with_parent() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, _INTERRUPT)
     parent = parent_process()
+    # While a check runs, os._exit is replaced by a function that raises an error.
+    exit_process = os._exit
 
     def follow() -> None:
         if parent is not None:
             parent.join()
-        os._exit(1)
+        exit_process(1)
 
     threading.Thread(target=follow, daemon=True).start()
 

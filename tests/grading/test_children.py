@@ -3,6 +3,8 @@
 import gc
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -15,6 +17,7 @@ from course_lib.grading import executors
 from course_lib.grading.executors import call_in_child
 from course_lib.grading.task import time_limit
 from tests.patience import PATIENCE
+from tests.processes import Program
 
 
 def wait_for(lock: threading.Lock) -> None:
@@ -104,3 +107,36 @@ def test_fork_does_not_finalize_objects_of_its_parent() -> None:
         gc.enable()
     gc.collect()
     assert finalized == [os.getpid()]
+
+
+PARENT_OF_A_CHECK = """
+import os, sys, time
+from course_lib.grading.executors import ProcessPool
+from course_lib.grading.task import limit_course_code
+
+def check(mark):
+    with limit_course_code(60.0):
+        open(mark, "w").write(str(os.getpid()))
+        while True:
+            time.sleep(0.01)
+
+if __name__ == "__main__":
+    processes = ProcessPool(1)
+    processes.submit(check, sys.argv[1])
+    while not (os.path.exists(sys.argv[1]) and os.path.getsize(sys.argv[1])):
+        time.sleep(0.01)
+    os.kill(os.getpid(), 9)
+"""
+
+
+def test_process_that_runs_a_check_ends_with_its_killed_parent(tmp_path: Path) -> None:
+    script, mark = tmp_path / "parent.py", tmp_path / "mark"
+    script.write_text(PARENT_OF_A_CHECK)
+    grader = Program(
+        [sys.executable, str(script), str(mark)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    )
+    # Returns when no process has the pipe open any more. Nothing else ends a check that computes
+    # and waits in turn before PATIENCE.
+    output, _ = grader.communicate(timeout=PATIENCE)
+    assert mark.read_text()
+    assert "RuntimeError" not in output
