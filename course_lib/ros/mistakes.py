@@ -26,6 +26,7 @@ class Mistake(Enum):
     TWO_TYPES = auto()
     TWO_SPINNERS = auto()
     SHUT_DOWN = auto()
+    ONLY_DESTROYED = auto()  # by itself and not by the node, which still lists it
 
 
 def marked(error: ErrorT, mistake: Mistake) -> ErrorT:

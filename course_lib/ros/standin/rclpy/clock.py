@@ -7,7 +7,7 @@ from enum import IntEnum
 
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.time.time_lock import time_lock
-from rclpy.context import Context, get_default_context
+from rclpy.context import Context, get_default_context, require_context
 from rclpy.duration import Duration
 from rclpy.exceptions import NotInitializedException
 from rclpy.time import ClockType as ClockType
@@ -212,6 +212,7 @@ class Clock:
         has already passed, as in rclpy.
         """
         context = get_default_context() if context is None else context
+        require_context(context, "ok")
         if not context.is_valid:
             raise NotInitializedException
         if until.clock_type != self.clock_type:

@@ -21,7 +21,7 @@ from course_lib.ros.time.interrupts import until_interrupted, watch
 from course_lib.ros.time.time_lock import EndBehavior, ShutDown, never, time_lock
 from course_lib.ros.tracebacks import describe_interruption, explain_interrupts, line_of_traceback
 from rclpy.context import Context, Contexts, get_default_context, require_context
-from rclpy.exceptions import NotInitializedException
+from rclpy.exceptions import InvalidHandle, NotInitializedException
 from rclpy.impl import private_names
 from rclpy.impl.implementation_singleton import INVALID_CONTEXT, RCLError
 from rclpy.impl.node_handle import Entity, HandledNode, NodeHandle, Turn
@@ -150,6 +150,8 @@ class Executor(AbstractContextManager["Executor"]):
             raise RCLError(f"failed to create guard_condition: {INVALID_CONTEXT}")
         # A dict keeps the order in which the nodes were added.
         self._nodes: dict[HandledNode, NodeHandle] = {}
+        # Objects that are not nodes.
+        self.__others: list[Any] = []
         self._tasks: list[Task] = []
         # Entities and tasks that a call with a timeout of 0 has found ready, for the following
         # calls.
@@ -195,9 +197,12 @@ class Executor(AbstractContextManager["Executor"]):
         """Run a node's callbacks from now on. Return False if the executor does so already."""
         if node in self._nodes:
             return False
-        if not hasattr(node, "handle"):
-            # Python's error for an object that is not a node, or was not initialized.
-            getattr(node, "executor")  # noqa: B009
+        if not isinstance(getattr(node, "handle", None), NodeHandle):
+            self.__others.append(node)
+            if not isinstance(node, type):
+                # Python's error for most objects that are not nodes, or were not initialized.
+                setattr(node, "executor", self)  # noqa: B010
+            return True
         self.__require_guard()
         if node.handle.has_left:
             print_notice(
@@ -229,6 +234,7 @@ class Executor(AbstractContextManager["Executor"]):
         Its ready entities remain ready, for another executor.
         """
         self._nodes.pop(node, None)
+        self.__others = [other for other in self.__others if other is not node]
         self.__name_nodes()
 
     def get_nodes(self) -> list[HandledNode]:
@@ -287,6 +293,7 @@ class Executor(AbstractContextManager["Executor"]):
         A callback that takes robot time may end later. No callback is started after that.
         """
         graph = current_graph()
+        self.__require_entities()
         while not ready() and (until_ns is None or graph.now_ns <= until_ns):
             if not time_lock.wait(
                 lambda: self._course_can_work() or ready(),
@@ -465,6 +472,15 @@ class Executor(AbstractContextManager["Executor"]):
         if not self.context.is_valid:
             operation = "create timer" if limit_ns > 0 else "initialize wait set"
             raise RCLError(f"failed to {operation}: {INVALID_CONTEXT}")
+        self.__require_entities()
+
+    def __require_entities(self) -> None:
+        """Raise the errors of rclpy's wait for an object that is not a node, or a destroyed endpoint."""
+        for other in self.__others:
+            iter(other.subscriptions)
+        for handle in self._nodes.values():
+            if handle.destroyed_ends:
+                raise marked(InvalidHandle(), Mistake.ONLY_DESTROYED)
 
     def wait_for_ready_callbacks(
         self,

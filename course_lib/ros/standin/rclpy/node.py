@@ -656,7 +656,7 @@ class Node:
         """Destroy an entity of any kind, hidden or not."""
         if entity in self.__hidden_entities:
             self.__hidden_entities.remove(entity)
-            entity.destroy()
+            self.__destroy_for_good(entity)
             return True
         return self.__destroy(entity, object)
 
@@ -666,8 +666,14 @@ class Node:
         self.__created_entities.remove(entity)
         if kind is Subscription or (kind is Timer and entity.callback is not None):
             self.handle.count_callbacks(-1)
-        entity.destroy()
+        self.__destroy_for_good(entity)
         return True
+
+    def __destroy_for_good(self, entity: Any) -> None:
+        """Destroy an entity that the node does not list any more, so that an executor ignores it."""
+        entity.destroy()
+        if isinstance(entity, TopicEnd):
+            self.handle.destroyed_ends.discard(entity.handle.id)
 
     def destroy_rate(self, rate: Rate) -> bool:
         """Destroy a rate and wake the thread that sleeps in it."""

@@ -46,11 +46,11 @@ class Endpoint:
     topic_name: str
     # The topic or service whose type is registered in the node's context.
     registered_name: str = ""
-    _destroyed: bool = False
+    is_destroyed: bool = False
 
     def require(self) -> "Endpoint":
         """Return the endpoint itself. Raise InvalidHandle if it has been destroyed."""
-        if self._destroyed:
+        if self.is_destroyed:
             raise InvalidHandle
         return self
 
@@ -59,9 +59,9 @@ class Endpoint:
 
         Messages in transit are no longer delivered. Calling it twice is allowed.
         """
-        if self._destroyed:
+        if self.is_destroyed:
             return
-        self._destroyed = True
+        self.is_destroyed = True
         if self.registered_name:
             self.node.context.release_type(self.registered_name)
         _events.get(self.node.graph, {}).pop(self.id, None)
@@ -167,7 +167,11 @@ class TopicEnd(Generic[MsgT]):
 
         Call the node's `destroy_publisher` or `destroy_subscription` instead.
         """
+        is_first = not self.handle.is_destroyed
         self.handle.destroy()
+        # With an event handler, whose destruction rclpy's executor notices.
+        if is_first and self.event_handlers and not self.handle.node.has_left:
+            self.handle.node.destroyed_ends.add(self.handle.id)
         if self._course_deadline is not None:
             self._course_deadline.stop()
 

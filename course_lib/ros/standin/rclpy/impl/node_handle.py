@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Protocol
 from rcl_interfaces.msg import ListParametersResult, ParameterDescriptor, SetParametersResult
 
 from course_lib.ros.graph.graph import ProgramNodes
-from course_lib.ros.mistakes import Mistake
+from course_lib.ros.mistakes import Mistake, marked
 from rclpy.callback_groups import CallbackGroup
 from rclpy.context import Context, get_default_context, require_context
 from rclpy.exceptions import InvalidHandle
@@ -132,6 +132,9 @@ class NodeHandle:
         # down.
         self.has_left = False
         self._entities = 0
+        # Publishers and subscriptions that were destroyed, but not by the node. As in rclpy, the
+        # node still lists them, and an executor fails.
+        self.destroyed_ends = set[int]()
         self._ready: deque[Turn] = deque()
 
     @property
@@ -178,6 +181,7 @@ class NodeHandle:
         self.graph.state(ProgramNodes).ids.discard(self.id)
         self.graph.state(ProgramNodes).unspun_nodes.pop(self.id, None)
         self._ready.clear()
+        self.destroyed_ends.clear()
 
     def record_work(self) -> None:
         """Record, for a warning, a ready timer or message while no executor spins the node."""
@@ -332,8 +336,14 @@ class GuardCondition(Entity):
     def _course_take(self) -> Callable[[], object] | None:
         """Return the callback, unless the condition has been destroyed since it was triggered."""
         self.__triggered = False
+        if self.callback is None and not self.__destroyed:
+            raise marked(TypeError("'NoneType' object is not callable"), Mistake.NO_CALLBACK)
         return None if self.__destroyed else self.callback
 
     def destroy(self) -> None:
         """Disable the condition. Call `Node.destroy_guard_condition` instead."""
         self.__destroyed = True
+
+
+# rclpy defines it in a module of this name.
+GuardCondition.__module__ = "rclpy.guard_condition"
