@@ -167,5 +167,54 @@ lines(
     of_service=lambda: Node("n").create_service(Trigger, "a", print).configure_introspection(),
 )
 
+
+def spun(value: Any) -> Any:
+    """Return a probe that spins something that may not be a node, once."""
+    return lambda: rclpy.spin_once(value(), timeout_sec=0.0)
+
+
+class Stranger:
+    """A class that should have had the base Node."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+
+class Unfinished(Node):
+    """A node without `super().__init__()`."""
+
+    def __init__(self) -> None:
+        pass
+
+
+lines(
+    "spun",
+    stranger=spun(Stranger),
+    unfinished=spun(Unfinished),
+    of_class=spun(lambda: Stranger),
+    publisher=spun(lambda: Node("n").create_publisher(String, "t", 1)),
+    number=spun(lambda: 3),
+    nothing=spun(lambda: None),
+)
+
+
+def destroyed(create: Any) -> Any:
+    """Return a probe that spins a node after an endpoint was destroyed by its own method."""
+
+    def run() -> Any:
+        node = Node("n")
+        create(node).destroy()
+        first = outcome(rclpy.spin_once, node, timeout_sec=0.0)
+        return first, outcome(rclpy.spin_once, node, timeout_sec=0.0)
+
+    return run
+
+
+lines(
+    "destroyed",
+    publisher=destroyed(lambda node: node.create_publisher(String, "t", 1)),
+    subscription=destroyed(lambda node: node.create_subscription(String, "t", print, 1)),
+)
+
 if __name__ == "__main__":
     main()

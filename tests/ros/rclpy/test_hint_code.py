@@ -70,6 +70,7 @@ executor, node = rclpy.executors.SingleThreadedExecutor(), Robot()
 parameter = rclpy.parameter.Parameter("gain", value=1.0)
 self.publisher = robot.create_publisher(Marker, '/a_topic', 10)
 publisher = angle = get_logger = spin = 0
+subscription = node.create_subscription(Marker, '/a_topic', print, 10)
 pose = PoseStamped()
 self.message = message
 """

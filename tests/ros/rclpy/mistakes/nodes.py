@@ -262,6 +262,17 @@ NODES = [
         "spin takes the node, an object of your class, and this is of type str.",
     ),
     (
+        "rclpy.spin(node.create_publisher(String, 'chatter', 10))",
+        "AttributeError: 'Publisher' object has no attribute 'subscriptions'",
+        "spin takes the node, an object of your class, and this is of type Publisher.",
+    ),
+    (
+        "class Robot:\n    pass\nrclpy.spin(Robot())",
+        "AttributeError: 'Robot' object has no attribute 'subscriptions'",
+        "to be spun, Robot must be a node: write class Robot(Node), "
+        "and call `super().__init__('a_name')` first in Robot.__init__().",
+    ),
+    (
         "class Robot(Node):\n    def drive(self):\n        pass\nRobot.drive()",
         "TypeError: Robot.drive() missing 1 required positional argument: 'self'",
         "drive is a method of an object. Create one, like robot = Robot(), and write robot.drive().",
