@@ -126,8 +126,11 @@ class Rows(dict[str, RowEntry]):
         key, value = f"{parent}#{prop.path[-1]}", holder[prop.label]
         editor = _editor(prop, holder)
         is_map = isinstance(value, dict)
-        text = f"{value:.6g}" if isinstance(value, float) else str(value)
-        shown_value = "" if is_map else value if editor.kind != "none" else text
+        shown_value = value
+        if is_map:
+            shown_value = ""
+        elif editor.kind == "none":
+            shown_value = f"{value:.6g}" if isinstance(value, float) else str(value)
         shown = {"value": shown_value, "title": holder.describe(prop)}
         is_open = holder.is_expanded(path)
         self.put(
