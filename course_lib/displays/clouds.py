@@ -772,13 +772,13 @@ class DepthCloudDisplay(CloudDisplay):
         self._camera = np.eye(4)
 
     def panel_rows(self) -> Iterator[tuple[tuple[str, ...], Property]]:
-        """Yield the displayed properties; while the size follows from the camera, it is read-only."""
+        """Yield the displayed properties. A size that follows from the camera is read-only."""
         for path, prop in super().panel_rows():
             is_measured = prop.label == "Size (m)" and self["Auto Size"]
             yield path, replace(prop, convert=read_only) if is_measured else prop
 
     def is_expanded(self, path: tuple[str, ...]) -> bool:
-        """Return whether a row shows the rows below it, as those of check boxes that are on do in RViz."""
+        """Return whether a row shows those below it, as in RViz for check boxes that are on."""
         return path in {("Auto Size",), ("Occlusion Compensation",)} and bool(self[path[0]])
 
     def on_property_change(self, label: str) -> None:
@@ -853,14 +853,15 @@ class DepthCloudDisplay(CloudDisplay):
             self.statuses.set("error", "Message", f"Error updating depth cloud: {error}")
 
     def _flaws_of_info(self) -> Iterator[str]:
-        """Yield the reasons in the camera info for which RViz draws no points, without any status."""
+        """Yield why RViz draws no points with this camera info, and shows no status."""
         topic, info = info_topic(self[self.topic_label]), self._info
         if info is None:
             yield f"no CameraInfo was received on {topic}: RViz draws nothing."
             return
         if zeros := [f"p[{index}]" for index in (0, 5) if not info.p[index]]:
             names = " and ".join(zeros) + (" is 0" if len(zeros) == 1 else " are 0")
-            yield f"{names} in the CameraInfo on {topic}, expected the focal length [px]: RViz draws nothing."
+            what = f"{names} in the CameraInfo on {topic}"
+            yield f"{what}, expected the focal length [px]: RViz draws nothing."
 
     def _show_images(self, image: Any, color: Any, transform: Matrix) -> None:
         depth = depths(image)

@@ -24,7 +24,9 @@ def test_dragged_goal_pose_is_published_as_in_rviz(bench: Bench) -> None:
 
 def test_right_drag_zooms_without_the_menu_of_the_surrounding_page(bench: Bench) -> None:
     before = bench.viewer.view["Distance"]
-    bench.page.evaluate("document.addEventListener('contextmenu', () => (window.menus = 1))")  # as JupyterLab
+    # As JupyterLab does.
+    count = "() => (window.menus = 1)"
+    bench.page.evaluate(f"document.addEventListener('contextmenu', {count})")
     bench.drag((200, 0), (200, 40), button="right")
     bench.host.wait_until(lambda: bench.viewer.view["Distance"] > before)
     assert bench.page.evaluate("window.menus") is None
@@ -72,7 +74,8 @@ def test_selection_is_in_sight_in_a_narrow_view(bench: Bench) -> None:
     bench.page.evaluate("document.querySelector('.course-viewer').style.width = '500px'")
     bench.page.locator("canvas").press("s")
     bench.drag((0, 0))
-    selection, panel = bench.page.get_by_label("Selection"), bench.page.get_by_role("region", name="Views")
+    selection = bench.page.get_by_label("Selection")
+    panel = bench.page.get_by_role("region", name="Views")
     top, above = (element.bounding_box() for element in (selection, panel))
     assert top is not None
     assert above is not None

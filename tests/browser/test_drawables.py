@@ -133,7 +133,8 @@ def test_labels_overlap_as_in_rviz_until_a_button_hides_occluded_labels(host: Ho
     scene.set_transform("aside", [[1.0, 0, 0, 0], [0, 1.0, 0, -1.8], [0, 0, 1.0, 0], [0, 0, 0, 1.0]])
     show_scene(host, scene)
     apart = host.page.get_by_role("button", name="Labels do not overlap")
-    boxes = [button.bounding_box() for button in (apart, host.page.get_by_role("button", name="Full screen"))]
+    full_screen = host.page.get_by_role("button", name="Full screen")
+    boxes = [button.bounding_box() for button in (apart, full_screen)]
     # Only JupyterLab has a button between them.
     left, right = (box["x"] for box in boxes if box)
     assert right - left < 30

@@ -69,7 +69,8 @@ def test_property_editors_match_the_property_types(bench: Bench) -> None:
 def test_fields_show_the_value_that_python_has_accepted(bench: Bench) -> None:
     bench.open("Marker", "Topic")
     field = bench.page.get_by_role("spinbutton", name="Frame Rate")
-    for typed in ("-5", "-1", "e"):  # each is clipped or rejected, and the second one changes nothing
+    # Each is clipped or rejected, and the second one changes nothing.
+    for typed in ("-5", "-1", "e"):
         field.press("Control+a")
         field.press_sequentially(typed)
         field.press("Enter")

@@ -166,7 +166,7 @@ def test_console_beside_a_view_breaks_lines_between_parts_of_names(
 
 
 @pytest.mark.parametrize(("width", "lines"), [(1000, 1), (560, 2), (380, 3)])  # [px]
-def test_topic_monitor_has_more_lines_in_a_narrow_cell(one_page: Page, width: int, lines: int) -> None:
+def test_topic_monitor_is_higher_in_a_narrow_cell(one_page: Page, width: int, lines: int) -> None:
     cells = topic_cells(["visualization_msgs/msg/MarkerArray", "278.16 KB/s", "30.00", 30 * "0.0,"])
     boxes = "style='display: flex'"  # as by the style of ipywidgets
     name = "<button style='flex: none; width: 210px; height: 28px'>/robot/annotations</button>"

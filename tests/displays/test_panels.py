@@ -190,7 +190,7 @@ def test_panel_hides_rows_without_an_effect_as_rviz_does(
     assert not hidden & labels
 
 
-def test_size_that_follows_from_the_camera_is_read_only_as_in_rviz(page: Page, viewer: Viewer) -> None:
+def test_size_from_the_camera_is_read_only_as_in_rviz(page: Page, viewer: Viewer) -> None:
     cloud = viewer.add("DepthCloud")
     page.ask(act="OpenPanels")
     size = f"{page.key('DepthCloud')}#Size (m)"

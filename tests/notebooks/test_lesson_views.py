@@ -57,14 +57,16 @@ def test_arm_does_not_cross_the_label_of_the_person() -> None:
     links = [pose[:3, 3] for name, pose in link_poses(mobile_manipulator(), {}).items() if "ur10" in name]
     label = np.array([2.0, 1.0, 2.3])  # [m] in section 3
     image = project(lessons_dir() / "week03_detections.ipynb", "view", label, *links)
-    away = np.abs(image[1:, :2] - image[0, :2]) * image[0, 2] * tan(pi / 8)  # [m] at the label's depth
+    # At the label's depth, [m].
+    away = np.abs(image[1:, :2] - image[0, :2]) * image[0, 2] * tan(pi / 8)
     assert len(away) > 6
     # Half the size of a text of 13 characters, 0.3 m high, and the radius of a link [m].
     assert not (away < [1.0 + 0.1, 0.15 + 0.1]).all(axis=1).any()
 
 
 def test_whole_room_of_the_driving_robot_is_visible() -> None:
-    corners = [np.array([x, y, 0.0]) for x in (-HALF_ROOM, HALF_ROOM) for y in (-HALF_ROOM, HALF_ROOM)]
+    sides = (-HALF_ROOM, HALF_ROOM)
+    corners = [np.array([x, y, 0.0]) for x in sides for y in sides]
     image = project(lessons_dir() / "extra_real_robot.ipynb", "see", *corners)
     assert np.abs(image[:, :2]).max() < ASPECT
 

@@ -149,7 +149,7 @@ def _nodes(mapping: Any, path: str) -> Iterator[tuple[str, dict[str, Any]]]:
 
 @dataclass
 class _Flattened:
-    """The parameters of one `ros__parameters`, read as by rcl, whose bookkeeping fails at empty maps.
+    """The parameters of one `ros__parameters`, read as by rcl, which fails at empty maps.
 
     It adds the name of a map to the names around it at the map's first key, and removes the last
     name at its end, even if it was empty.

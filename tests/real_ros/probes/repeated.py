@@ -55,13 +55,18 @@ NODES = ("", "b-", "-b", "1a", "/a", "a b", "~", "a/b", "{a}")
 for flags, title in (((), "old"), (("--ros-args", "-r"), "new")):
     lines(f"{title}.namespace", **{name: args(*flags, f"__ns:={name}") for name in NAMESPACES})
     lines(f"{title}.node", **{name: args(*flags, f"__node:={name}") for name in NODES})
-lines("old.other", **{rule: args(rule) for rule in ("n:__ns:=a", "__name:=1a", "rostopic://__ns:=/a")})
+OLD = ("n:__ns:=a", "__name:=1a", "rostopic://__ns:=/a")
+lines("old.other", **{rule: args(rule) for rule in OLD})
 
 PAIRS = (
-    *(("1", "2.5"), ("2.5", "1"), ("x", "true"), ("true", "x"), ("1", "[1]"), ("[1]", "1"), ("[1]", "[x]")),
-    *(("[x]", "[1]"), ("[true]", "[1]"), ("1.5", "[1]"), ("1", "'1'"), ("0x10", "1.5"), ("[1, 2]", "[3]")),
-    *(("1", "{b: 1}"), ("{b: 1}", "1"), ("{b: 1}", "{c: 2}"), ("1", "~"), ("1", ""), ("", "1"), ("1", "[]")),
-    *(("[]", "1"), ("[]", "[]"), ("[1]", "[]"), ("{}", "1"), ("1", "{}"), ("{}", "{}"), ("{b: x}", "{b: 1}")),
+    *(("1", "2.5"), ("2.5", "1"), ("x", "true"), ("true", "x")),
+    *(("1", "[1]"), ("[1]", "1"), ("[1]", "[x]")),
+    *(("[x]", "[1]"), ("[true]", "[1]"), ("1.5", "[1]")),
+    *(("1", "'1'"), ("0x10", "1.5"), ("[1, 2]", "[3]")),
+    *(("1", "{b: 1}"), ("{b: 1}", "1"), ("{b: 1}", "{c: 2}")),
+    *(("1", "~"), ("1", ""), ("", "1"), ("1", "[]")),
+    *(("[]", "1"), ("[]", "[]"), ("[1]", "[]"), ("{}", "1")),
+    *(("1", "{}"), ("{}", "{}"), ("{b: x}", "{b: 1}")),
 )
 HEAD = "n:\n  ros__parameters:\n"
 lines(
@@ -84,7 +89,8 @@ MAPS = {
     "two_documents": f"    a: x\n---\n{HEAD}    a: 1\n",
     "dots": "    a.b: x\n    a: {b: 2}\n",
 }
-lines("maps", **{name: with_file(HEAD + text, "--params-file", "FILE") for name, text in MAPS.items()})
+files = {name: with_file(HEAD + text, "--params-file", "FILE") for name, text in MAPS.items()}
+lines("maps", **files)
 ENTRY = "{}:\n  ros__parameters:\n    a: 1\n"
 for name in ("/**", "n", "/*"):
     file = ("--params-file", "FILE")

@@ -1,5 +1,5 @@
 # mypy: ignore-errors
-"""Nodes without `super().__init__()`, contexts of other types, and the names of classes and methods."""
+"""Nodes without `super().__init__()`, contexts of other types, names, and strangers."""
 
 import importlib
 import time

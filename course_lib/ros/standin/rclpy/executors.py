@@ -475,7 +475,7 @@ class Executor(AbstractContextManager["Executor"]):
         self.__require_entities()
 
     def __require_entities(self) -> None:
-        """Raise the errors of rclpy's wait for an object that is not a node, or a destroyed endpoint."""
+        """Raise rclpy's errors for an object that is not a node, or a destroyed endpoint."""
         for other in self.__others:
             iter(other.subscriptions)
         for handle in self._nodes.values():

@@ -670,7 +670,7 @@ class Node:
         return True
 
     def __destroy_for_good(self, entity: Any) -> None:
-        """Destroy an entity that the node does not list any more, so that an executor ignores it."""
+        """Destroy an entity that the node lists no more, so that an executor ignores it."""
         entity.destroy()
         if isinstance(entity, TopicEnd):
             self.handle.destroyed_ends.discard(entity.handle.id)

@@ -126,8 +126,8 @@ TOPICS = [
     (
         "node.create_publisher(String, 'chatter', 10).destroy()\nrclpy.spin_once(node)",
         "rclpy._rclpy_pybind11.InvalidHandle: cannot use Destroyable because destruction was requested",
-        "a publisher or subscription was destroyed by its own method, and the node still uses it: call "
-        "`node.destroy_publisher(publisher)` or `node.destroy_subscription(subscription)` instead.",
+        "a publisher or subscription was destroyed by its own method, and the node still uses it: "
+        "call `node.destroy_publisher(publisher)` or `node.destroy_subscription(subscription)` instead.",
     ),
     (
         "QoSProfile()",

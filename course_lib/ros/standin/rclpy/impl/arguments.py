@@ -154,7 +154,7 @@ class Arguments:
                 self.requested.applied.add(nodes)
                 # In rcl an empty list has no type, so it is not a value.
                 parameters |= {n: Parameter(n, value=None if v == [] else v) for n, v in values.items()}
-        given = {(name, value) for nodes, name, value in self.given if _matches(nodes, full_node_name)}
+        given = [row[1:] for row in self.given if _matches(row[0], full_node_name)]
         for name, value in given:
             used = parameters[name].value
             # A difference in type is reported while the values are merged.
@@ -295,7 +295,7 @@ def _ros_1_remap(word: str, parsed: Arguments) -> Remap | None:
 
 
 def _remap(rule: re.Match[str], parsed: Arguments) -> Remap:
-    """Return a remapping rule. Raise ValueError if it is invalid, with a warning of rcl for some."""
+    """Return a remapping rule. Raise ValueError, and for some warn as rcl, if it is invalid."""
     node, match, to = rule.group("node", "match", "to")
     if rule["kind"] and match.startswith("__"):
         raise ValueError(f"{rule['kind']}:// needs the name of a topic or service, not {match}")
@@ -303,7 +303,8 @@ def _remap(rule: re.Match[str], parsed: Arguments) -> Remap:
         _check_remap(match, to)
     except ValueError:
         if match == "__ns":
-            parsed.warnings.append(f"Namespace not remapped to a fully qualified name (found: {to})")
+            warning = f"Namespace not remapped to a fully qualified name (found: {to})"
+            parsed.warnings.append(warning)
         elif match in ("__node", "__name") and not re.match("[A-Za-z_]", to):
             parsed.warnings.append(f"Node name not remapped to invalid name: '{to}'")
         raise

@@ -185,7 +185,8 @@ class PrivateName:
 _FIRST_READ = {
     **dict.fromkeys(("create_client", "create_service"), "_default_callback_group"),
     **dict.fromkeys(("add_waitable", "remove_waitable"), "_Node__waitables"),
-    **dict.fromkeys(("set_parameters", "set_parameters_atomically"), "_pre_set_parameters_callbacks"),
+    "set_parameters": "_pre_set_parameters_callbacks",
+    "set_parameters_atomically": "_pre_set_parameters_callbacks",
     **dict.fromkeys(("describe_parameter", "describe_parameters"), "_descriptors"),
     **{
         f"{verb}_{time}_parameters_callback": f"_{time}_parameters_callbacks"
@@ -229,7 +230,7 @@ class _SetByInit:
 
 
 def set_by_init(first_read: str) -> Any:
-    """Return a descriptor for an attribute that `__init__` sets. `first_read` is rclpy's attribute."""
+    """Return a descriptor for an attribute of `__init__`. rclpy reads `first_read` instead."""
     return _SetByInit(first_read)
 
 
