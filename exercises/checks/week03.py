@@ -263,8 +263,9 @@ SURE = Task(
     ghost=(ghost(PERSON),),
 )
 
-# The last two are in different seconds, so that nanosec alone is no time.
-STAMPS = (0.1, 0.6, 0.9, 1.5)  # [s]
+# The last two are in different seconds, so that nanosec alone is no time. The last one has a fraction
+# below 0.1 s, so that f"{sec}.{nanosec}", which loses its leading zeros, is no time either.
+STAMPS = (0.1, 0.25, 0.45, 1.05)  # [s]
 # The intervals differ, so that velocities must be computed from the stamps.
 DELAYS = (DELAY, DELAY, DELAY + 0.04, DELAY)  # [s]
 SEEN = (

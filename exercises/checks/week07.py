@@ -6,9 +6,11 @@ from typing import Any
 from course_lib.grading import (
     Call,
     Check,
+    Evidence,
     Row,
     Scenario,
     Task,
+    Verdict,
     expect_colors_apart,
     expect_display,
     expect_gone,
@@ -23,9 +25,11 @@ from course_lib.grading import (
     expect_stamps,
     expect_throughout,
     expect_value,
+    failed,
     inputs,
     lightly_weighted,
     my,
+    passed,
 )
 
 MARKERS, PLAN, TRAJECTORY = "/perception/markers", "/planned_path", "/robot_trajectory"
@@ -154,6 +158,11 @@ MARKERS_TASK = Task(
             inputs=tuple(SEEN[:10]),
             checks=lightly_weighted(
                 PERSON_BEFORE.titled("a box while the detector runs"),
+                # Its boxes are published until 3 s, and then stay for their lifetime of 1 s.
+                expect_marker(MARKERS, ns="boxes", id=1, **LOOKS, at=3.5, **WITH_LABELS)
+                .requiring(PERSON_BEFORE)
+                .titled("a box as long as the message is not older than marker_lifetime")
+                .worth(0.5),
                 expect_gone(MARKERS).requiring(PERSON_BEFORE).titled("no box when the message is too old"),
             ),
         ),
@@ -176,10 +185,28 @@ MARKERS_TASK = Task(
 EARLY, LATER, LAST, END = (inputs.circle_position(at) for at in (1.08, 3.08, 4.98, 6.48))  # [m]
 # The yaw is far from 0, where a quaternion whose w stays 1 is nearly right.
 END_YAW = 6.48 + pi / 2 - 2 * pi  # [rad]
+CIRCLING = tuple(inputs.circling(1.03, 6.49))
 KEPT_UP = expect_throughout(TRAJECTORY, hz=10.0, begin=1.1).worth(0)
 WAY = expect_path(
     TRAJECTORY, count=55, frame="world", ends=(EARLY, END), yaw=END_YAW, tolerance=0.2
 ).requiring(KEPT_UP)
+
+
+def keeps_stamps(evidence: Evidence) -> Verdict:
+    """Expect the stamp of a transform in each pose of the last path."""
+    paths = evidence.messages(TRAJECTORY)
+    if not paths:
+        # The silence has one message in all rows.
+        return KEPT_UP.judge(evidence)
+    sent = {round(message.at * 1e3) for message in CIRCLING}  # [ms]
+    for pose in paths[-1][1].poses:
+        stamp = pose.header.stamp
+        if round((stamp.sec - 1_700_000_000) * 1e3 + stamp.nanosec / 1e6) not in sent:
+            text = "a pose has a stamp that no transform has: expected the header of the transform"
+            return failed(text, "a stamp is not copied")
+    return passed("as expected")
+
+
 LAST_20 = expect_path(TRAJECTORY, count=20, frame="odom", ends=(LATER, LAST), tolerance=0.2).requiring(
     KEPT_UP
 )
@@ -198,13 +225,14 @@ TRAJECTORY_TASK = Task(
         Scenario(
             "public",
             seconds=6.5,  # [s]
-            inputs=tuple(inputs.circling(1.03, 6.49)),
+            inputs=CIRCLING,
             checks=lightly_weighted(
                 KEPT_UP,
                 WAY.titled("the way from its beginning to now"),
                 expect_nothing_before(TRAJECTORY, 1.0).requiring(WAY).titled("nothing until tf2 knows"),
                 expect_rate(TRAJECTORY, 10.0, begin=1.1).requiring(WAY).worth(0.2),
                 expect_stamps(TRAJECTORY, tolerance=0.12).requiring(KEPT_UP).worth(0.2).titled("the header"),
+                Check("each pose has the header of its transform", keeps_stamps).requiring(WAY).worth(0.2),
             ),
         ),
         Scenario(
@@ -228,6 +256,36 @@ PERCEPTION = {
     "confidence_threshold": my("threshold"),
     "bicycle_color": [1.0, 1.0, 0.0, 0.5],
 }
+
+
+# The parameters of each node, as the exercise declares them.
+DEFAULTS = {
+    "marker_update_rate": 10.0,
+    "transform_update_rate": 20.0,
+    "path_update_rate": 1.0,
+    "trajectory_update_rate": 10.0,
+    "marker_lifetime": 1.0,
+    "trajectory_max_points": 100,
+    "confidence_threshold": 0.5,
+    "max_detections": 20,
+    "base_frame": "base_link",
+    "bicycle_color": [0.0, 0.0, 1.0, 0.5],
+    "car_color": [1.0, 0.0, 0.0, 0.5],
+    "person_color": [0.0, 1.0, 0.0, 0.5],
+    "text_size": 0.4,
+}
+# The parameters that the task sets, by node.
+SET = {"/perception_node": PERCEPTION, "/trajectory_node": {"trajectory_max_points": 50}}
+
+
+def keeps_defaults(evidence: Evidence) -> Verdict:
+    """Expect the defaults of all parameters that the task does not set."""
+    for node in ALL_NODES:
+        defaults = {key: value for key, value in DEFAULTS.items() if key not in SET.get(node, {})}
+        verdict = expect_parameters(node, {"world_frame": "odom"}, unchanged=defaults).judge(evidence)
+        if verdict.score < 1:
+            return verdict
+    return passed("as expected")
 
 
 def parameter(node: str, name: str, value: Any) -> Check:
@@ -256,6 +314,7 @@ PARAMS = Task(
                 ),
                 parameter("/trajectory_node", "trajectory_max_points", 50),
                 *(parameter(node, "world_frame", "odom").worth(0.25) for node in ALL_NODES),
+                Check("everything else keeps its default", keeps_defaults).worth(0.5),
             ),
         ),
     ),
@@ -311,7 +370,7 @@ REPORT = Task(
 
 FRONT, BACK, FAR = [1.0, 0.5, 2.1], [0.0, 0.5, -1.9], [4.0, -1.0, 2.1]  # [m]; the last is as far as the first
 # A quarter of the first edge is behind the camera's near plane, half of an edge in each other call.
-NEAR, BEHIND = ([1.0, 0.0, 0.05], [1.0, 0.0, 0.25]), ([0.0, 0.0, -1.0], [1.0, 0.0, 0.05])  # [m]
+NEAR, BEHIND = ([1.0, 0.0, 0.05], [1.0, 0.4, 0.25]), ([0.0, 0.0, -1.0], [1.0, 0.0, 0.05])  # [m]
 JUST_AHEAD = ([0.0, 1.0, 0.1], [2.0, 1.0, 1.0])  # [m]
 EDGES = ((FRONT, BACK), (BACK, FRONT), (FRONT, FAR), BEHIND, NEAR, JUST_AHEAD)
 ENDS: dict[str, Any] = {"parts": ("first end", "second end"), "axes": "x y z", "unit": "m"}
@@ -337,7 +396,7 @@ PART_AHEAD = Task(
                 expect_value([FRONT, FAR], call=2, name="an edge that is ahead", **ENDS),
                 expect_value([], call=3, name="the part of an edge behind the camera").requiring(CUT),
                 expect_value(
-                    [[1.0, 0.0, 0.1], NEAR[1]],
+                    [[1.0, 0.1, 0.1], NEAR[1]],
                     call=4,
                     name="the part of an edge near the camera",
                     **ENDS,

@@ -132,6 +132,15 @@ def test_faults_of_a_parameter_file_are_reported(text: Any, message: str) -> Non
     assert (verdict.score, verdict.message) == (0, message)
 
 
+def test_file_that_changes_another_default_is_reported() -> None:
+    check = expect_parameters("/talker", {"rate": 5.0}, unchanged={"gain": 1.0})
+    text = "/**: {ros__parameters: {gain: 2.0}}\ntalker: {ros__parameters: {rate: 5.0}}"
+    verdict = check.judge(returned(text))
+    assert verdict.message == "gain of /talker is 2.0, expected its default, 1.0"
+    assert verdict.mistake == "a parameter does not keep its default"
+    assert check.judge(returned(text.replace("2.0", "1.0"))).score == 1
+
+
 def test_wrong_message_type_on_the_path_topic_is_reported(evidence: MakeEvidence) -> None:
     verdict = CHECK.judge(evidence((1.0, "/way", PoseStamped())))
     assert verdict.message == "/way carries geometry_msgs/msg/PoseStamped, expected nav_msgs/msg/Path"

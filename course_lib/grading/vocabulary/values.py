@@ -357,9 +357,18 @@ def describe_missing_text(value: Any, kind: str) -> str:
 
 @check_function("the parameters of {node}")
 def expect_parameters(
-    evidence: Evidence, node: str, values: Mapping[str, Any], *, call: int = 0
+    evidence: Evidence,
+    node: str,
+    values: Mapping[str, Any],
+    *,
+    call: int = 0,
+    unchanged: Mapping[str, Any] | None = None,
 ) -> Iterable[Problem]:
-    """Expect a parameters file that sets these values, with these types, for a node."""
+    """Expect a parameters file that sets these values, with these types, for a node.
+
+    `unchanged` has the defaults of all parameters that the file must not change. It may repeat
+    them.
+    """
     text = evidence.returns[call] if call < len(evidence.returns) else None
     if not isinstance(text, str) or not text.strip() or len(text) > LONGEST:
         message = describe_missing_text(text, "parameters file")
@@ -375,11 +384,16 @@ def expect_parameters(
     for name, section in sections:
         if name in (EVERY_NODE, node):
             parameters |= section
-    return [
+    problems = [
         problem
         for key, expected in values.items()
         for problem in _check_parameter(node, key, parameters, expected, sections)
     ]
+    for key, default in (unchanged or {}).items():
+        if key not in values and parameters.get(key, default) != default:
+            message = f"{key} of {node} is {parameters[key]!r}, expected its default, {default!r}"
+            problems.append(Problem(message, "a parameter does not keep its default"))
+    return problems
 
 
 def _check_parameter(
