@@ -205,6 +205,8 @@ def _play_bag(source: Source, arguments: Namespace, write: Write) -> None:
     seconds = arguments.playback_duration
     until_ns = None if seconds < 0 else start_ns + round(seconds * 1e9)
     samples = list(_selected_samples(recording, start_ns, until_ns, arguments))
+    if not recording.samples:
+        raise CourseError(f"{arguments.bag_path} has no messages. `ros2 bag info` shows what was recorded.")
     if not samples:
         raise CourseError(
             f"The options select no message of {arguments.bag_path}. `ros2 bag info` lists its topics."

@@ -273,7 +273,7 @@ def wait_for_response(
         # An action is allowed as a whole, but a node's services for parameters one by one.
         service = blocked[0].partition("/_action/")[0]
         raise CourseError(
-            f"{server} was not called, because the link to the robot does not allow it. "
+            f"{service} was not called, because the link to the robot does not allow it. "
             f"To call it, connect with --call {service}"
         )
     if not source.wait(lambda: not (future._pending() and has_server()), seconds):

@@ -159,7 +159,7 @@ def test_call_that_is_not_allowed_ends_the_command_with_the_reason(robot: RealRo
     link = ["--robot", "dds/127.0.0.1", "--domain", str(robot.domain)]
     for words, name in (
         (("service", "call", "/reset", "std_srvs/srv/SetBool", "{data: true}"), "/reset"),
-        (("param", "get", "/lab/robot", "speed"), "/lab/robot"),
+        (("param", "get", "/lab/robot", "speed"), "/lab/robot/get_parameters"),
     ):
         command = [sys.executable, "-m", "course_lib", "ros2", *link, *words]
         done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)

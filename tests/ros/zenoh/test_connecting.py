@@ -116,15 +116,15 @@ def test_thousand_attempts_to_send_unpermitted_messages_do_not_reach_the_network
 
 
 @pytest.mark.parametrize(
-    ("blocked", "server", "option"),
+    ("blocked", "server", "named"),
     [("/fib/_action/send_goal", "/fib", "/fib"), ("/lab/set_parameters", "/lab", "/lab/set_parameters")],
 )
-def test_error_of_a_blocked_call_contains_the_option_that_allows_it(
-    blocked: str, server: str, option: str, kits: Kits
+def test_error_of_a_blocked_call_names_the_service_and_the_option_that_allows_it(
+    blocked: str, server: str, named: str, kits: Kits
 ) -> None:
     graph, future = kits.join(), Future()  # type: ignore[var-annotated]  # not generic in Jazzy
     graph.blocked.add(blocked, "--call")
-    with pytest.raises(CourseError, match=f"{server} was not called, .* connect with --call {option}$"):
+    with pytest.raises(CourseError, match=f"^{named} was not called, .* connect with --call {named}$"):
         wait_for_response(GraphSource(graph), future, server, 1.0)
 
 

@@ -8,7 +8,7 @@ from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
 from course_lib.errors import CourseError
-from course_lib.recording import Recording
+from course_lib.recording import Recording, write_bag
 from course_lib.ros.graph.graph import START_NS, Graph
 from course_lib.ros.time import pace, wall
 from course_lib.ros.time.driving import running_nodes
@@ -107,6 +107,12 @@ def test_latched_topics_are_played_latched(bag: Path, graph: Graph, run: Run) ->
     assert isinstance(info.qos_profile, QoSProfile)
     assert (info.node_name, info.qos_profile.durability.name) == ("rosbag2_player", "TRANSIENT_LOCAL")
     assert "rosbag2_player" not in {node.name for node in graph.nodes()}
+
+
+def test_bag_without_messages_is_named_as_the_reason(tmp_path: Path, run: Run) -> None:
+    write_bag(Recording(()), tmp_path / "none")
+    with pytest.raises(CourseError, match=r"none has no messages\. `ros2 bag info` shows"):
+        run("play none")
 
 
 @pytest.mark.parametrize(

@@ -54,7 +54,7 @@ from rclpy.impl.implementation_singleton import NodeNameNonExistentError as Node
 from rclpy.impl.implementation_singleton import RCLError
 from rclpy.impl.node_handle import GuardCondition, NodeHandle, NodesById, enter_graph, require_bool
 from rclpy.impl.parameter_store import On, ParameterStore, Post, Pre, find_rejection
-from rclpy.impl.rcutils_logger import RcutilsLogger, Rosout
+from rclpy.impl.rcutils_logger import SAME_NAME, RcutilsLogger, Rosout
 from rclpy.logging import get_logger
 from rclpy.parameter import Parameter
 from rclpy.parameter_service import LoggingService, ParameterService, TypeDescriptionService
@@ -66,23 +66,13 @@ from rclpy.subscription import Subscription
 from rclpy.time_source import TimeSource
 from rclpy.timer import Rate, Timer
 
-# Interval between checks whether a node exists, as in rclpy [s].
-_LOOK = 0.1
-# The security enclave of every node, as security is not enabled.
-_ENCLAVE = "/"
+_LOOK = 0.1  # [s] between checks whether a node exists, as in rclpy
+_ENCLAVE = "/"  # the security enclave of every node, as security is not enabled
 MsgT = TypeVar("MsgT", bound=RosMessage)
 OnMessage = Callable[[MsgT], object] | Callable[[MsgT, MessageInfo], object] | Callable[[bytes], object]
 
 HIDDEN_NODE_PREFIX = "_"
 _ROSOUT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10))
-
-_SAME_NAME = (
-    "Publisher already registered for node name: '{0}'. If this is due to multiple nodes with "
-    "the same name then all logs for the logger named '{0}' will go out over the existing "
-    "publisher. As soon as any node with that name is destructed it will unregister the "
-    "publisher, preventing any further logs for that name from being published on the rosout "
-    "topic."
-)
 
 
 class NodeOptions(TypedDict, total=False):
@@ -267,7 +257,7 @@ class Node:
         namesakes = [other for other in nodes.values() if other.handle.full_name == name]
         nodes[self.handle.id] = self
         if namesakes and not self.handle.graph.notebook:
-            get_logger("rcl.logging_rosout").warning(_SAME_NAME.format(self.handle.logger_name))
+            get_logger("rcl.logging_rosout").warning(SAME_NAME.format(self.handle.logger_name))
         elif namesakes:
             replacements.add(name)
             for other in namesakes:

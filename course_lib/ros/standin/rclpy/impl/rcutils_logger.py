@@ -17,6 +17,15 @@ from rclpy.time import Time
 if TYPE_CHECKING:
     from rcl_interfaces.msg import Log
 
+# rcl's warning. The field is the name of the logger.
+SAME_NAME = (
+    "Publisher already registered for node name: '{0}'. If this is due to multiple nodes with "
+    "the same name then all logs for the logger named '{0}' will go out over the existing "
+    "publisher. As soon as any node with that name is destructed it will unregister the "
+    "publisher, preventing any further logs for that name from being published on the rosout "
+    "topic."
+)
+
 
 class LoggingFilter:
     """Base class of the logging filters, which decide whether a logging call is shown.
